@@ -50,6 +50,7 @@ fn surface(shape: ShapeDesc, transform: DAffine3, emission: Option<Rgb>) -> Surf
         emission,
         emits_both: false,
         web: None,
+        spectrum: None,
         hidden: false,
     }
 }

@@ -98,6 +98,7 @@ fn room(triangles: usize) -> SceneDesc {
             emission,
             emits_both: false,
             web: None,
+            spectrum: None,
             hidden: false,
         });
     };

@@ -48,6 +48,7 @@ fn add(desc: &mut SceneDesc, shape: ShapeDesc, material: usize, emission: Option
         emission,
         emits_both: false,
         web: None,
+        spectrum: None,
         hidden: false,
     });
 }

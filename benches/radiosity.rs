@@ -51,6 +51,7 @@ fn add(desc: &mut SceneDesc, shape: ShapeDesc, albedo: f32, emission: Option<Rgb
         emission,
         emits_both: false,
         web: None,
+        spectrum: None,
         hidden: false,
     });
 }

@@ -71,6 +71,7 @@
 #define ETD_WEB_LIGHT_INIT \
     {sizeof(etd_web_light), NULL, NULL, 0, {0, 0, 0}, {0, -1, 0}, {1, 0, 0}, {1, 1, 1}, 0}
 #define ETD_SURFACE_WEB_INIT {sizeof(etd_surface_web), NULL, NULL, 0, {1, 0, 0}, 0}
+#define ETD_SPECTRUM_INIT {sizeof(etd_spectrum), ETD_SPECTRUM_SAMPLES, ETD_ILLUMINANT_A, 0, NULL, 0}
 #define ETD_SHUTTER_INIT {sizeof(etd_shutter), 0, 0, NULL, 0}
 #define ETD_MOTION_KEY_INIT \
     {0, {0, 0, 0}, {0, 0, 0, 1}, {1, 1, 1}, 0, 0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}
@@ -1412,6 +1413,141 @@ enum etd_quantity
 typedef enum etd_quantity etd_quantity;
 #else
 typedef uint32_t etd_quantity;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * What says how a spectrum is.
+ */
+enum etd_spectrum_kind
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * Samples of wavelength and value.
+     */
+    ETD_SPECTRUM_SAMPLES = 0,
+    /**
+     * An illuminant of the CIE.
+     */
+    ETD_SPECTRUM_ILLUMINANT = 1,
+    /**
+     * A phase of daylight by its temperature.
+     */
+    ETD_SPECTRUM_DAYLIGHT = 2,
+    /**
+     * A black body by its temperature.
+     */
+    ETD_SPECTRUM_BLACK_BODY = 3,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum etd_spectrum_kind etd_spectrum_kind;
+#else
+typedef uint32_t etd_spectrum_kind;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * Illuminants of CIE 015:2018.
+ */
+enum etd_illuminant
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * Tungsten.
+     */
+    ETD_ILLUMINANT_A = 0,
+    /**
+     * Daylight of about 5003 K.
+     */
+    ETD_ILLUMINANT_D50 = 1,
+    /**
+     * Daylight of about 5503 K.
+     */
+    ETD_ILLUMINANT_D55 = 2,
+    /**
+     * Daylight of about 6504 K, the white of Rec. 709.
+     */
+    ETD_ILLUMINANT_D65 = 3,
+    /**
+     * Daylight of about 7504 K.
+     */
+    ETD_ILLUMINANT_D75 = 4,
+    /**
+     * The same power at all wavelengths.
+     */
+    ETD_ILLUMINANT_E = 5,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum etd_illuminant etd_illuminant;
+#else
+typedef uint32_t etd_illuminant;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * What can have a spectrum of its own.
+ */
+enum etd_spectrum_target
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * The emission of a surface.
+     */
+    ETD_SPECTRUM_OF_SURFACE = 0,
+    /**
+     * A point light of any kind.
+     */
+    ETD_SPECTRUM_OF_POINT_LIGHT = 1,
+    /**
+     * A distant light.
+     */
+    ETD_SPECTRUM_OF_DISTANT_LIGHT = 2,
+    /**
+     * The environment, whose number is 0, unless it is a sky by a formula.
+     */
+    ETD_SPECTRUM_OF_ENVIRONMENT = 3,
+    /**
+     * Of a material: what a diffuse or reflective one, fibres or a sheet that transmits diffusely reflect, in [0, 1].
+     */
+    ETD_SPECTRUM_OF_COLOR = 4,
+    /**
+     * Of a material: what a sheet that transmits diffusely lets through, in [0, 1].
+     */
+    ETD_SPECTRUM_OF_TRANSMITTANCE = 5,
+    /**
+     * Of a material: what a conductor reflects at normal incidence, in [0, 1].
+     */
+    ETD_SPECTRUM_OF_REFLECTANCE = 6,
+    /**
+     * Of a material: index of refraction of a conductor, above 0.
+     */
+    ETD_SPECTRUM_OF_ETA = 7,
+    /**
+     * Of a material: extinction coefficient of a conductor.
+     */
+    ETD_SPECTRUM_OF_K = 8,
+    /**
+     * Of a material: absorption coefficient inside a refractive body [1 / scene unit].
+     */
+    ETD_SPECTRUM_OF_ABSORPTION = 9,
+    /**
+     * Of a material: emitted radiance.
+     */
+    ETD_SPECTRUM_OF_EMISSION = 10,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum etd_spectrum_target etd_spectrum_target;
+#else
+typedef uint32_t etd_spectrum_target;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 

@@ -1092,6 +1092,20 @@ public:
         const etd_status status = etd_scene_get_surface_web(get(), number, &web);
         return detail::give(status, std::move(web));
     }
+    /** Gives a light, an emission or a parameter of a material a spectrum of its own. */
+    Outcome<void> set_spectrum(etd_spectrum_target target, std::uint32_t number, const etd_spectrum &spectrum) {
+        return detail::done(etd_scene_set_spectrum(get(), target, number, &spectrum));
+    }
+    /** Takes the spectrum away, which leaves its colour. */
+    Outcome<void> clear_spectrum(etd_spectrum_target target, std::uint32_t number) {
+        return detail::done(etd_scene_set_spectrum(get(), target, number, nullptr));
+    }
+    /** The spectrum of a light, an emission or a parameter of a material, without its samples. */
+    Outcome<etd_spectrum> spectrum(etd_spectrum_target target, std::uint32_t number) const {
+        etd_spectrum value = ETD_SPECTRUM_INIT;
+        const etd_status status = etd_scene_get_spectrum(get(), target, number, &value);
+        return detail::give(status, std::move(value));
+    }
     /** Material, emission and transform of a surface as they are described now. */
     Outcome<etd_surface> surface(std::uint32_t number) const {
         etd_surface value = ETD_SURFACE_INIT;

@@ -78,6 +78,7 @@ fn scene(mesh: MeshDesc, smooth: bool, emission: Option<Rgb>) -> SceneDesc {
             emission,
             emits_both: false,
             web: None,
+            spectrum: None,
             hidden: false,
         }],
         ..SceneDesc::default()

@@ -91,6 +91,7 @@ const INITIALISERS: &str = r"/** Stands for no material, no surface. */
 #define ETD_WEB_LIGHT_INIT \
     {sizeof(etd_web_light), NULL, NULL, 0, {0, 0, 0}, {0, -1, 0}, {1, 0, 0}, {1, 1, 1}, 0}
 #define ETD_SURFACE_WEB_INIT {sizeof(etd_surface_web), NULL, NULL, 0, {1, 0, 0}, 0}
+#define ETD_SPECTRUM_INIT {sizeof(etd_spectrum), ETD_SPECTRUM_SAMPLES, ETD_ILLUMINANT_A, 0, NULL, 0}
 #define ETD_SHUTTER_INIT {sizeof(etd_shutter), 0, 0, NULL, 0}
 #define ETD_MOTION_KEY_INIT \
     {0, {0, 0, 0}, {0, 0, 0, 1}, {1, 1, 1}, 0, 0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}

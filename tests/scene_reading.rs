@@ -8,7 +8,7 @@ use etendue::ErrorKind;
 use etendue::desc::{
     self, BsdfDesc, CacheDesc, CacheSource, CameraDesc, CropDesc, Dialect, Dispersion, FilmDesc, FilterDesc, FocusDesc,
     FovAxis, IntegratorDesc, KernelDesc, LensDesc, MediumDesc, Panorama, PanoramaDesc, PhotonDesc, PhotonSharing,
-    RenderDesc, RouletteDesc, SamplerDesc, SceneDesc, ShapeDesc,
+    RenderDesc, RouletteDesc, SamplerDesc, SceneDesc, ShapeDesc, SpectrumDesc, StandardIlluminant,
 };
 use etendue::math::{DAffine3, DVec3};
 use etendue::spectrum::Rgb;
@@ -307,6 +307,145 @@ fn materials_are_read_with_every_key() {
         let material = &scene.materials[0];
         assert_eq!((material.name.as_str(), material.path.as_str()), ("m", "materials[0]"));
         assert_eq!((material.bsdf, material.survival), (bsdf, survival));
+    }
+}
+
+#[test]
+fn spectra_are_read_in_all_forms() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("lamp.csv"), "nm,value\n400,0.5\n700,1\n").unwrap();
+    std::fs::write(folder.path().join("bad.spd"), "400 0.5\n700\n").unwrap();
+    std::fs::write(folder.path().join("falling.spd"), "700 0.5\n400 1\n").unwrap();
+    let read = |surface: &str| {
+        let text = format!(
+            "{{\"etendue\": 1, \"camera\": {{}}, \"surfaces\": [{{\"geometry\": \"sphere\", \"origin\": [0, 0, 0], \"radius\": 1{surface}}}]}}"
+        );
+        desc::parse(&text, folder.path(), None)
+    };
+    let samples = |pairs: &[[f64; 2]]| SpectrumDesc::samples("", pairs).unwrap();
+    for (text, expected) in [
+        (r#""D50""#, SpectrumDesc::Standard(StandardIlluminant::D50)),
+        (r#"{"blackBody": 2700}"#, SpectrumDesc::BlackBody(2700.0)),
+        (r#"{"daylight": 5003}"#, SpectrumDesc::Daylight(5003.0)),
+        ("[[400, 0.5], [700, 1]]", samples(&[[400.0, 0.5], [700.0, 1.0]])),
+        (r#"{"from": 400, "step": 150, "values": [1, 0, 2]}"#, samples(&[[400.0, 1.0], [550.0, 0.0], [700.0, 2.0]])),
+        (r#"{"file": "lamp.csv"}"#, samples(&[[400.0, 0.5], [700.0, 1.0]])),
+    ] {
+        let scene = read(&format!(", \"spectrum\": {text}")).unwrap();
+        assert_eq!(scene.surfaces[0].spectrum.as_ref(), Some(&expected), "{text}");
+        // In photometric units, and of an emission, the spectrum says the colour alone.
+        for (level, luminance) in [(r#""luminance": 1366"#, 2.0), (r#""emission": [2, 2, 2]"#, 2.0)] {
+            let scene = read(&format!(", \"spectrum\": {text}, {level}")).unwrap();
+            let emission = scene.surfaces[0].emission.unwrap();
+            assert!((etendue::spectrum::luminance(emission) - luminance).abs() < 1e-5, "{text}: {emission:?}");
+        }
+    }
+    let d65 = read(r#", "spectrum": "D65""#).unwrap().surfaces[0].emission.unwrap();
+    assert!((d65.to_array().map(|it| (it - 1.0).abs())).iter().all(|it| *it < 1e-5), "{d65:?}");
+    let path = "surfaces[0].spectrum";
+    for (text, path, message) in [
+        (r#", "spectrum": "D56""#, path, "did you mean 'D5"),
+        (r#", "spectrum": {"blackBody": 100}"#, "surfaces[0].spectrum.blackBody", "100 is out of range"),
+        (r#", "spectrum": {"daylight": 3000}"#, "surfaces[0].spectrum.daylight", "3000 is out of range"),
+        (r#", "spectrum": {}"#, path, "expected one of: `blackBody`"),
+        (r#", "spectrum": {"blackBody": 3000, "daylight": 5000}"#, path, "expected one of: `blackBody`"),
+        (r#", "spectrum": {"values": [1, 2], "from": 400}"#, path, "expected one of: `blackBody`"),
+        (
+            r#", "spectrum": {"values": [1, 2], "from": 400, "step": 0}"#,
+            "surfaces[0].spectrum[1][0]",
+            "comes after 400 nm",
+        ),
+        (r#", "spectrum": {"file": "none.csv"}"#, "surfaces[0].spectrum.file", "none.csv"),
+        (r#", "spectrum": {"file": ""}"#, "surfaces[0].spectrum.file", "not a file name"),
+        (r#", "spectrum": {"file": "bad.spd"}"#, "surfaces[0].spectrum.file", "the line is '700'"),
+        (r#", "spectrum": {"file": "falling.spd"}"#, "surfaces[0].spectrum.file[1][0]", "comes after 700 nm"),
+        (r#", "spectrum": [[400, 1], [400, 2]]"#, "surfaces[0].spectrum[1][0]", "comes after 400 nm"),
+        (r#", "spectrum": [[400, -1]]"#, "surfaces[0].spectrum[0][1]", "-1 is out of range"),
+        (r#", "spectrum": [[400, 1, 2]]"#, "surfaces[0].spectrum", "too many elements"),
+        (r#", "spectrum": [[1000, 1], [2000, 1]]"#, path, "no light that is seen"),
+        (r#", "spectrum": 5"#, path, "expected"),
+        (
+            r#", "spectrum": "A", "luminance": 5, "temperature": 3000"#,
+            "surfaces[0].temperature",
+            "says the colour already",
+        ),
+    ] {
+        let error = read(text).unwrap_err();
+        assert!(error.to_string().contains(path), "{text}: {error}");
+        assert!(error.to_string().contains(message), "{text}: {error}");
+    }
+}
+
+#[test]
+fn parameters_of_materials_may_have_spectra() {
+    let material = |keys: &str| format!("\"materials\": [{{\"name\": \"m\", {keys}}}]");
+    let ramp = r#"[[400, 0.25], [700, 0.75]]"#;
+    let scene = native(&material(&format!(r#""type": "diffuse", "spectra": {{"color": {ramp}}}"#)));
+    let BsdfDesc::Lambert { albedo } = scene.materials[0].bsdf else { panic!("a Lambertian surface") };
+    assert!(albedo.r() > albedo.g() && albedo.g() > albedo.b() && albedo.b() > 0.25, "{albedo:?}");
+    for keys in [
+        format!(r#""type": "reflective", "spectra": {{"color": {ramp}}}"#),
+        format!(r#""type": "sheen", "spectra": {{"color": {ramp}}}"#),
+        format!(r#""type": "diffuse-transmission", "spectra": {{"transmittance": {ramp}}}"#),
+        format!(r#""type": "conductor", "spectra": {{"reflectance": {ramp}}}"#),
+        format!(r#""type": "conductor", "spectra": {{"eta": {ramp}, "k": [[400, 2], [700, 4]]}}"#),
+        format!(r#""type": "conductor", "eta": [1, 2, 3], "spectra": {{"k": {ramp}}}"#),
+        format!(r#""type": "conductor", "metal": "Au", "roughness": 0.3, "spectra": {{"k": {ramp}}}"#),
+        format!(
+            r#""type": "refractive", "refractionIndex": 1.5, "roughness": 0.2, "spectra": {{"absorption": {ramp}}}"#
+        ),
+        r#""type": "black", "spectra": {"emission": {"blackBody": 2700}}"#.to_owned(),
+    ] {
+        let scene = native(&material(&keys));
+        assert!(!scene.materials[0].spectra.is_empty(), "{keys}");
+    }
+    for (keys, path, message) in [
+        (r#""type": "diffuse""#, "materials[0]", "missing key `color`"),
+        (r#""type": "diffuse", "spectra": {"transmittance": RAMP}"#, "materials[0]", "missing key `color`"),
+        (
+            r#""type": "diffuse", "color": [1, 1, 1], "spectra": {"eta": RAMP}"#,
+            "materials[0].spectra.eta",
+            "only a conductor",
+        ),
+        (r#""type": "diffuse", "spectra": {"color": [[400, 2]]}"#, "materials[0].spectra.color", "2 is out of range"),
+        (r#""type": "diffuse", "spectra": {"color": "D65"}"#, "materials[0].spectra.color", "a spectrum of light"),
+        (
+            r#""type": "diffuse", "color": [1, 1, 1], "spectra": {"colour": RAMP}"#,
+            "materials[0].spectra.colour",
+            "did you mean 'color'?",
+        ),
+        (
+            r#""type": "conductor", "spectra": {"reflectance": RAMP, "eta": RAMP}"#,
+            "materials[0]",
+            "expected one of: `metal`",
+        ),
+        (
+            r#""type": "conductor", "metal": "Au", "spectra": {"eta": [[400, 0]]}"#,
+            "materials[0].spectra.eta",
+            "a value is 0",
+        ),
+        (r#""type": "principled", "spectra": {"color": RAMP}"#, "materials[0].spectra.color", "only a diffuse"),
+        (
+            r#""type": "coated-diffuse", "color": [1, 1, 1], "refractionIndex": 1.5, "spectra": {"color": RAMP}"#,
+            "materials[0].spectra.color",
+            "only a diffuse",
+        ),
+        (
+            r#""type": "thin-refractive", "refractionIndex": 1.5, "spectra": {"transmittance": RAMP}"#,
+            "materials[0].spectra.transmittance",
+            "only a sheet",
+        ),
+        (
+            r#""type": "diffuse-transmission", "color": [0.5, 0.5, 0.5], "spectra": {"transmittance": RAMP}"#,
+            "materials[0]",
+            "sum to 1.25",
+        ),
+    ] {
+        let keys = keys.replace("RAMP", ramp);
+        let text = format!("{{\"etendue\": 1, \"camera\": {{}}, {}}}", material(&keys));
+        let error = desc::parse(&text, "".as_ref(), None).unwrap_err();
+        assert!(error.to_string().contains(path), "{keys}: {error}");
+        assert!(error.to_string().contains(message), "{keys}: {error}");
     }
 }
 

@@ -25,7 +25,7 @@ const SAMPLES: u32 = 4;
 struct FourWavelengths([f32; 4]);
 
 impl FourWavelengths {
-    fn zip(self, other: Self, f: impl Fn(f32, f32) -> f32) -> Self {
+    fn by_channel(self, other: Self, f: impl Fn(f32, f32) -> f32) -> Self {
         Self(std::array::from_fn(|i| f(self.0[i], other.0[i])))
     }
 }
@@ -35,7 +35,7 @@ macro_rules! operators {
         impl $op for FourWavelengths {
             type Output = Self;
             fn $f(self, other: Self) -> Self {
-                self.zip(other, $op::$f)
+                self.by_channel(other, $op::$f)
             }
         }
         impl $op<f32> for FourWavelengths {
@@ -89,6 +89,10 @@ impl Spectrum for FourWavelengths {
 
     fn is_finite(self) -> bool {
         self.0.iter().all(|value| value.is_finite())
+    }
+
+    fn zip(self, other: Self, f: impl Fn(f32, f32) -> f32) -> Self {
+        Self(std::array::from_fn(|i| f(self.0[i], other.0[i])))
     }
 
     fn map(self, f: impl Fn(f32) -> f32) -> Self {

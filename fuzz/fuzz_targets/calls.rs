@@ -71,6 +71,8 @@ enum Call {
     SetEmitsBoth { surface: u8, both: bool },
     SurfaceWeb { surface: u8, text: Option<Vec<u8>>, c0: [f64; 3], tilt: f64 },
     SaneSurfaceWeb { surface: u8, candela: [u8; 3], c0: [i8; 3] },
+    Spectrum { target: u8, number: u8, kind: u8, illuminant: u8, temperature: f64, samples: Option<Vec<[f64; 2]>> },
+    SaneSpectrum { target: u8, number: u8, first: u8, values: [u8; 4] },
     GetSurface { surface: u8 },
     Commit { cancel: bool },
     Film { width: u8, height: u8, layers: u16 },
@@ -636,6 +638,28 @@ impl World {
                     };
                     fine(etd_scene_set_emits_both(scene, u32::from(surface), u32::from(c > 0)));
                     fine(etd_scene_set_surface_web(scene, u32::from(surface), &raw const it));
+                }
+                Call::Spectrum { target, number, kind, illuminant, temperature, samples } => {
+                    let (target, number) = (u32::from(target), u32::from(number));
+                    let it = etd_spectrum {
+                        kind: u32::from(kind),
+                        illuminant: u32::from(illuminant),
+                        temperature,
+                        samples: samples.as_ref().map_or(null(), |samples| samples.as_ptr().cast()),
+                        sample_count: samples.as_ref().map_or(0, Vec::len),
+                        ..sized()
+                    };
+                    let given = if kind == 255 { null() } else { &raw const it };
+                    fine(etd_scene_set_spectrum(scene, target, number, given));
+                    let mut out: etd_spectrum = sized();
+                    fine(etd_scene_get_spectrum(scene, target, number, &raw mut out));
+                }
+                Call::SaneSpectrum { target, number, first, values } => {
+                    let samples: [[f64; 2]; 4] = std::array::from_fn(|i| {
+                        [400.0 + f64::from(first) + 30.0 * i as f64, f64::from(values[i]) / 255.0]
+                    });
+                    let it = etd_spectrum { samples: samples.as_ptr().cast(), sample_count: 4, ..sized() };
+                    fine(etd_scene_set_spectrum(scene, u32::from(target % 11), u32::from(number), &raw const it));
                 }
                 Call::GetSurface { surface } => {
                     let mut value: etd_surface = sized();

@@ -3,33 +3,44 @@
 use super::lobes::{Lobes, TransportMode};
 use super::local::reflect;
 use super::metal_facet::MetalFacet;
+use super::metal_spectrum::{MetalCurves, MetalInSpectrum};
 use super::model::{BsdfSample, Model, SpecularLobes};
 use crate::math::Vec3;
 use crate::spectrum::{Rgb, Spectrum};
 
 /// A smooth metal: a mirror whose reflectance depends on the angle by Fresnel's equations. It reflects on both sides.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Conductor<C: Spectrum = Rgb> {
     facet: MetalFacet,
     mean: Rgb,
+    by_wavelength: MetalInSpectrum<C>,
     wavelengths: C::Wavelengths,
 }
 
 impl Conductor {
     /// A metal that reflects by this law.
     pub fn new(facet: MetalFacet) -> Self {
-        Self { facet, mean: facet.mean_reflectance(), wavelengths: () }
+        Self { facet, mean: facet.mean_reflectance(), by_wavelength: MetalInSpectrum::default(), wavelengths: () }
+    }
+
+    /// The same metal in three channels, and this one by the wavelength.
+    pub(super) fn measured(self, metal: MetalCurves) -> Self {
+        Self { by_wavelength: MetalInSpectrum::new(metal), ..self }
     }
 
     #[inline(always)]
     pub(super) fn in_spectrum<C: Spectrum>(&self, wavelengths: &C::Wavelengths) -> Conductor<C> {
-        Conductor { facet: self.facet, mean: self.mean, wavelengths: *wavelengths }
+        let by_wavelength = self.by_wavelength.in_spectrum(wavelengths);
+        Conductor { facet: self.facet, mean: self.mean, by_wavelength, wavelengths: *wavelengths }
     }
 }
 
 impl<C: Spectrum> Conductor<C> {
     fn reflection(&self, wo: Vec3) -> BsdfSample<C> {
-        let weight = C::from_reflectance(self.facet.reflectance(wo.z.abs()), &self.wavelengths);
+        let weight = match self.by_wavelength.at() {
+            Some(metal) => metal.reflectance(wo.z.abs()),
+            None => C::from_reflectance(self.facet.reflectance(wo.z.abs()), &self.wavelengths),
+        };
         BsdfSample { wi: reflect(wo), weight, pdf: 0.0, lobe: Lobes::SPECULAR_REFLECTION, eta: 1.0 }
     }
 }
@@ -40,7 +51,10 @@ impl<C: Spectrum> Model<C> for Conductor<C> {
     }
 
     fn albedo(&self) -> C {
-        C::from_reflectance(self.mean, &self.wavelengths)
+        match self.by_wavelength.at() {
+            Some(metal) => metal.mean,
+            None => C::from_reflectance(self.mean, &self.wavelengths),
+        }
     }
 
     #[inline(never)]

@@ -35,6 +35,18 @@ impl DiffuseTransmission {
     }
 }
 
+impl<C: Spectrum> DiffuseTransmission<C> {
+    /// The same that reflects another share.
+    pub(super) fn with_reflectance(self, reflectance: C) -> Self {
+        Self { reflectance, ..self }
+    }
+
+    /// The same that transmits another share.
+    pub(super) fn with_transmittance(self, transmittance: C) -> Self {
+        Self { transmittance, ..self }
+    }
+}
+
 impl<C: Spectrum> Model<C> for DiffuseTransmission<C> {
     fn lobes(&self) -> Lobes {
         Lobes::DIFFUSE

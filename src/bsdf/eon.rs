@@ -78,6 +78,19 @@ impl Eon {
 }
 
 impl<C: Spectrum> Eon<C> {
+    /// The same with facets of this albedo.
+    pub(super) fn with_albedo(self, albedo: C) -> Self {
+        let mean = self.white.mean_albedo().r();
+        let missing = 1.0 - mean;
+        let several = albedo.map(|rho| rho * rho * mean / (1.0 - rho * missing));
+        Self {
+            once: self.once.with_albedo(albedo),
+            multiple: if missing > 1e-6 { several / missing } else { C::ZERO },
+            albedo: albedo * mean + several * missing,
+            ..self
+        }
+    }
+
     /// 1 - E of a direction.
     fn missing(&self, w: Vec3) -> f32 {
         (1.0 - self.white.directional_albedo(w).r()).max(0.0)

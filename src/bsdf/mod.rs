@@ -26,8 +26,10 @@ mod layered;
 mod lobe_mixture;
 mod lobes;
 mod local;
+mod measured;
 mod memo;
 mod metal_facet;
+mod metal_spectrum;
 mod microfacet;
 mod mirror;
 mod mix;
@@ -56,7 +58,10 @@ pub use layered::{Layer, Layered, LayeredParts};
 #[cfg(test)]
 pub(crate) use lobe_mixture::LobeMixture;
 pub use lobes::{Lobes, TransportMode};
+pub(crate) use measured::ByWavelength;
+pub use measured::Measured;
 pub use metal_facet::MetalFacet;
+pub use metal_spectrum::{MetalCurves, MetalSpectrum};
 pub use microfacet::Microfacets;
 pub use mirror::Mirror;
 pub use mix::{Mix, TwoSided};
@@ -71,7 +76,7 @@ pub use sheen::Sheen;
 pub use thin_dielectric::{Sheet, ThinDielectric};
 pub use tinted::TintedTransmission;
 
-use crate::desc::{BsdfDesc, Dispersion, Masking, MaterialDesc};
+use crate::desc::{BsdfDesc, Masking, MaterialDesc};
 use crate::math::Vec3;
 use crate::spectrum::{Rgb, Spectrum};
 
@@ -289,6 +294,8 @@ models! {
     TwoSided(TwoSided<C>),
     /// A factor on what is transmitted.
     TintedTransmission(TintedTransmission<C>),
+    /// A model whose colours have spectra of their own.
+    Measured(Measured<C>),
     /// Any lobes, for tests of integrators.
     #[cfg(test)]
     LobeMixture(LobeMixture<C>),
@@ -316,18 +323,11 @@ impl Bsdf {
         let named = |index: usize| match materials.get(index) {
             Some(material) => {
                 let bsdf = Self::within(&material.bsdf, &materials[..index], around);
-                bsdf.with_dispersion(&material.bsdf, material.dispersion, around)
+                bsdf.by_wavelength(&material.bsdf, &ByWavelength::new(material), around)
             }
             None => Self::Black(Black),
         };
         Self::of_parts(desc, &named, around, false)
-    }
-
-    /// The model that was made from a description, of a material with this dispersion. `around`: as for [`Self::within`].
-    pub(crate) fn with_dispersion(self, desc: &BsdfDesc, dispersion: Option<Dispersion>, around: Option<f32>) -> Self {
-        let (Some(dispersion), Some([ior, exterior_ior])) = (dispersion, desc.interior()) else { return self };
-        let outer = Index { ior: around.unwrap_or(exterior_ior), dispersion: None };
-        self.dispersing(Index { ior, dispersion: Some(dispersion) }, outer)
     }
 
     /// The same interface between media whose indices depend on the wavelength, if one of them does; other models as they are.

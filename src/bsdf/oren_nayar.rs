@@ -43,6 +43,11 @@ impl OrenNayar {
 }
 
 impl<C: Spectrum> OrenNayar<C> {
+    /// The same with facets of this albedo.
+    pub(super) fn with_albedo(self, albedo: C) -> Self {
+        Self { albedo, ..self }
+    }
+
     /// A rough diffuse surface. `albedo`: of the facets, in [0, 1] per channel. `roughness`: sigma' in [0, 1].
     pub fn new(albedo: C, roughness: f32) -> Self {
         let sigma = f64::from(roughness);

@@ -45,6 +45,11 @@ impl OrenNayarQualitative {
 }
 
 impl<C: Spectrum> OrenNayarQualitative<C> {
+    /// The same with facets of this albedo.
+    pub(super) fn with_albedo(self, albedo: C) -> Self {
+        Self { albedo, ..self }
+    }
+
     /// A rough diffuse surface. `albedo`: of the facets, in [0, 1] per channel. `sigma`: standard deviation of the facets'
     /// slope angle, radians, >= 0.
     pub fn new(albedo: C, sigma: f32) -> Self {

@@ -5,6 +5,7 @@ use std::f32::consts::FRAC_1_PI;
 use super::lobes::{Lobes, TransportMode};
 use super::local::{outward, same_side};
 use super::metal_facet::MetalFacet;
+use super::metal_spectrum::{MetalCurves, MetalInSpectrum};
 use super::microfacet::{FacetShares, Microfacets, MissingEnergy, choose};
 use super::model::{BsdfSample, Model};
 use crate::math::Vec3;
@@ -29,7 +30,17 @@ pub struct RoughConductor<C: Spectrum = Rgb> {
     /// F_ms.
     multiple: Rgb,
     mean: Rgb,
+    /// Albedo of facets that reflect everything.
+    albedo: f32,
+    is_compensated: bool,
+    by_wavelength: MetalInSpectrum<C>,
     wavelengths: C::Wavelengths,
+}
+
+/// F_ms of facets of this mean reflectance, which lose this share of the light in one reflection:
+/// F_mean^2 E_mean / (1 - F_mean (1 - E_mean)), at least two reflections, each of the mean colour.
+fn several_reflections<C: Spectrum>(mean: C, missing: f32) -> C {
+    mean.map(|f| f * f * (1.0 - missing) / (1.0 - f * missing))
 }
 
 impl RoughConductor {
@@ -39,13 +50,17 @@ impl RoughConductor {
         let missing = MissingEnergy::new(&facets, (0.0, false), white);
         let albedo = 1.0 - missing.mean();
         let mean = facet.mean_reflectance();
-        // F_mean^2 E_mean / (1 - F_mean (1 - E_mean)): at least two reflections, each of the mean colour.
-        let several = |f: f32| f * f * albedo / (1.0 - f * missing.mean());
-        let multiple = Rgb::from_array(mean.to_array().map(several));
+        let multiple = several_reflections(mean, missing.mean());
         let once = mean * albedo;
         let mean = if is_compensated { once + multiple * missing.mean() } else { once };
         let missing = (is_compensated && missing.mean() > 1e-7).then_some(missing);
-        Self { facet, facets, missing, multiple, mean, wavelengths: () }
+        let by_wavelength = MetalInSpectrum::default();
+        Self { facet, facets, missing, multiple, mean, albedo, is_compensated, by_wavelength, wavelengths: () }
+    }
+
+    /// The same metal in three channels, and this one by the wavelength.
+    pub(super) fn measured(self, metal: MetalCurves) -> Self {
+        Self { by_wavelength: MetalInSpectrum::new(metal), ..self }
     }
 
     #[inline(always)]
@@ -56,6 +71,9 @@ impl RoughConductor {
             missing: self.missing.clone(),
             multiple: self.multiple,
             mean: self.mean,
+            albedo: self.albedo,
+            is_compensated: self.is_compensated,
+            by_wavelength: self.by_wavelength.in_spectrum(wavelengths),
             wavelengths: *wavelengths,
         }
     }
@@ -67,8 +85,20 @@ impl<C: Spectrum> RoughConductor<C> {
         Self { facets: self.facets.turned(turn), ..self.clone() }
     }
 
-    fn colour(&self, reflectance: Rgb) -> C {
-        C::from_reflectance(reflectance, &self.wavelengths)
+    /// What a facet reflects at this cosine to its normal.
+    fn facet_reflectance(&self, cos: f32) -> C {
+        match self.by_wavelength.at() {
+            Some(metal) => metal.reflectance(cos),
+            None => C::from_reflectance(self.facet.reflectance(cos), &self.wavelengths),
+        }
+    }
+
+    /// F_ms.
+    fn multiple(&self) -> C {
+        match self.by_wavelength.at() {
+            Some(metal) => several_reflections(metal.mean, 1.0 - self.albedo),
+            None => C::from_reflectance(self.multiple, &self.wavelengths),
+        }
     }
 
     /// What single scattering loses of light from `w`; 0 without compensation.
@@ -80,7 +110,11 @@ impl<C: Spectrum> RoughConductor<C> {
     /// Probability with which a cosine-distributed direction is drawn instead of a facet.
     #[inline]
     fn several(&self, missing: f32) -> f32 {
-        missing * self.multiple.max_element()
+        let most = match self.by_wavelength.at() {
+            Some(_) => self.multiple().max_element(),
+            None => self.multiple.max_element(),
+        };
+        missing * most
     }
 
     /// f cos(wi) and the density. Both directions are on the outer side, `m` is the normal of the facet between them, and
@@ -88,12 +122,12 @@ impl<C: Spectrum> RoughConductor<C> {
     #[inline]
     fn evaluate(&self, wo: Vec3, wi: Vec3, m: Vec3, missing: f32) -> (C, f32) {
         let (once, pdf_once) = self.facets.reflection(wo, wi, m);
-        let once = self.colour(self.facet.reflectance(wo.dot(m))) * once;
+        let once = self.facet_reflectance(wo.dot(m)) * once;
         let Some(lost) = &self.missing else { return (once, pdf_once) };
         let back = missing * lost.at(&self.facets, wi) * FRAC_1_PI / lost.mean();
         let several = self.several(missing);
         let pdf = pdf_once + several * (warps::cosine_hemisphere_pdf(wi.z) - pdf_once);
-        (once + self.colour(self.multiple) * (back * wi.z), pdf)
+        (once + self.multiple() * (back * wi.z), pdf)
     }
 }
 
@@ -103,7 +137,11 @@ impl<C: Spectrum> Model<C> for RoughConductor<C> {
     }
 
     fn albedo(&self) -> C {
-        self.colour(self.mean)
+        match self.by_wavelength.at() {
+            Some(metal) if self.is_compensated => metal.mean * self.albedo + self.multiple() * (1.0 - self.albedo),
+            Some(metal) => metal.mean * self.albedo,
+            None => C::from_reflectance(self.mean, &self.wavelengths),
+        }
     }
 
     fn is_anisotropic(&self) -> bool {

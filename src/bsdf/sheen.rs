@@ -96,6 +96,11 @@ impl Sheen {
 }
 
 impl<C: Spectrum> Sheen<C> {
+    /// The same with fibres of this colour.
+    pub(super) fn with_color(self, color: C) -> Self {
+        Self { color, ..self }
+    }
+
     /// Albedo of white fibres in a direction.
     pub(super) fn white_albedo(&self, w: Vec3) -> f32 {
         self.albedo.at(w.z.abs())

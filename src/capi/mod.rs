@@ -30,6 +30,7 @@ mod read;
 mod scene;
 mod sharing;
 mod sky;
+mod spectrum;
 mod status;
 mod surface;
 mod task;

@@ -49,7 +49,7 @@ impl AreaWeb {
             return Err(Error::invalid(join(path, "unit"), "the file is of a dark lamp, which no factor makes shine"));
         }
         let Self { color, intensity, temperature, unit, .. } = *self;
-        let keys = LightKeys { color, intensity, temperature, unit };
+        let keys = LightKeys { color, intensity, temperature, unit, spectrum: None };
         let (color, factor) = keys.resolve(path, Some([1.0; 3]), &[(Unit::Lumen, flux / LUMENS_PER_WATT)])?;
         let factor = validate::intensity(&join(path, "intensity"), factor)?;
         Ok((web, validate::emission(&join(path, "color"), color, factor)?))

@@ -34,7 +34,7 @@ pub(super) fn read(raw: &RawValue, builder: &Builder<'_>) -> Result<BackplateDes
     if (color, unit, default) == (None, None, None) {
         return Err(Error::invalid(backplate::PATH, "missing key `texture`, or `color`"));
     }
-    let keys = LightKeys { color, intensity, temperature: None, unit };
+    let keys = LightKeys { color, intensity, unit, ..LightKeys::default() };
     let (color, factor) = keys.resolve(backplate::PATH, default, &[(Unit::CandelaPerArea, 1.0)])?;
     let texture = match texture {
         Some(name) => Some(builder.texture(&join(backplate::PATH, "texture"), &name)?),

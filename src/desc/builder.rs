@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::warnings::warn;
-use super::{Dialect, MeshDesc, SceneDesc, ShapeDesc, SurfaceLook, json, mesh_files, validate};
+use super::{
+    Dialect, MeshDesc, SceneDesc, ShapeDesc, SpectrumDesc, SurfaceLook, json, mesh_files, spectrum_file, validate,
+};
 use crate::control::WorkProgress;
 use crate::math::DVec3;
 use crate::photometry::Web;
@@ -23,6 +25,7 @@ pub(super) struct Builder<'a> {
     files: HashMap<(PathBuf, bool), usize>,
     images: HashMap<PathBuf, KnownImage>,
     webs: HashMap<PathBuf, Arc<Web>>,
+    spectra: HashMap<PathBuf, SpectrumDesc>,
     /// The parts of the files whose own materials are used: pairs of a material and a mesh.
     divided_files: HashMap<PathBuf, Vec<[usize; 2]>>,
 }
@@ -30,8 +33,16 @@ pub(super) struct Builder<'a> {
 impl<'a> Builder<'a> {
     pub fn new(dialect: Dialect, base_dir: &'a Path, file: Option<&Path>, work: &'a WorkProgress<'static>) -> Self {
         let scene = SceneDesc { dialect, file: file.map(Path::to_owned), ..SceneDesc::default() };
-        let (files, images, webs, divided_files) = (HashMap::new(), HashMap::new(), HashMap::new(), HashMap::new());
-        Self { scene, base_dir, work, files, images, webs, divided_files }
+        Self {
+            scene,
+            base_dir,
+            work,
+            files: HashMap::new(),
+            images: HashMap::new(),
+            webs: HashMap::new(),
+            spectra: HashMap::new(),
+            divided_files: HashMap::new(),
+        }
     }
 
     pub fn warn(&mut self, path: &str, message: &str) {
@@ -136,6 +147,24 @@ impl<'a> Builder<'a> {
         Ok(web)
     }
 
+    /// Returns the samples of a spectrum in a file, which is read at its first use.
+    pub fn spectrum_file(&mut self, path: &str, file: &str) -> Result<SpectrumDesc> {
+        self.work.check()?;
+        if !is_file_name(file) {
+            return Err(Error::invalid(path, "not a file name, expected that of a spectrum"));
+        }
+        let file = self.base_dir.join(file);
+        let identity = identity(&file);
+        if let Some(known) = self.spectra.get(&identity) {
+            return Ok(known.clone());
+        }
+        let spectrum = SpectrumDesc::samples(path, spectrum_file::read(&file, path)?)
+            .map_err(|error| error.in_file(Some(&file), 0))?;
+        self.scene.files.push(file);
+        self.spectra.insert(identity, spectrum.clone());
+        Ok(spectrum)
+    }
+
     /// Adds a mesh that is given inside the scene file.
     pub fn add_mesh(&mut self, mesh: MeshDesc) -> Result<usize> {
         validate::mesh(&mesh.path, &mesh)?;
@@ -193,12 +222,20 @@ impl<'a> Builder<'a> {
     }
 
     /// Adds a triangle that emits radiance `color` times `factor` on the side of its normal and reflects nothing.
-    pub fn add_area_light(&mut self, path: &str, vertices: [DVec3; 3], color: [f64; 3], factor: f64) -> Result<()> {
+    pub fn add_area_light(
+        &mut self,
+        path: &str,
+        vertices: [DVec3; 3],
+        (color, factor): ([f64; 3], f64),
+        spectrum: Option<SpectrumDesc>,
+    ) -> Result<()> {
         let at = |key: &str| json::join(path, key);
         let factor = validate::intensity(&at("intensity"), factor)?;
         let (shape, local) = ShapeDesc::triangle(vertices).map_err(json::below(path))?;
         let emission = Some(validate::emission(&at("color"), color, factor)?);
-        self.scene.put_surface(path, shape, local, SurfaceLook { emission, ..SurfaceLook::default() }).map(|_| ())
+        let look = SurfaceLook { emission, ..SurfaceLook::default() };
+        let surface = self.scene.put_surface(path, shape, local, look)?;
+        self.scene.set_surface_spectrum(surface, spectrum)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::edit::none_such;
 use super::json::join;
-use super::{SceneDesc, validate};
+use super::{SceneDesc, SpectrumDesc, validate};
 use crate::math::DVec3;
 use crate::spectrum::Rgb;
 use crate::{Error, Result};
@@ -20,12 +20,15 @@ pub struct DistantLightDesc {
     pub angle_deg: f64,
     /// Whether camera rays that meet nothing show the disk. Mirrors and glass show it in any case; parallel light is never seen.
     pub visible: bool,
+    /// The shape of the spectrum, of which renders in wavelengths get the luminance of `irradiance`; `None` for the smooth spectrum of the
+    /// colour times that of D65.
+    pub spectrum: Option<SpectrumDesc>,
 }
 
 impl DistantLightDesc {
     /// Parallel light.
     pub fn parallel(towards: DVec3, irradiance: Rgb) -> Self {
-        Self { path: String::new(), towards, irradiance, angle_deg: 0.0, visible: true }
+        Self { path: String::new(), towards, irradiance, angle_deg: 0.0, visible: true, spectrum: None }
     }
 
     pub(super) fn check(&self) -> Result<()> {
@@ -38,6 +41,10 @@ impl DistantLightDesc {
                 join(path, "angle"),
                 format!("{angle} is out of range, expected 0 to 180 degrees"),
             ));
+        }
+        if let Some(spectrum) = &self.spectrum {
+            spectrum.check(&join(path, "spectrum"))?;
+            spectrum.light(&join(path, "spectrum"))?;
         }
         let sine = (0.5 * angle.to_radians()).sin();
         if sine > 0.0 && !Rgb::from_f64(self.irradiance.to_f64() / (sine * sine)).is_finite() {

@@ -16,7 +16,7 @@ use super::texture_check;
 use super::warnings::warn;
 use super::{
     BsdfDesc, CameraDesc, MaterialDesc, MediumDesc, MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc, camera_check,
-    material_check, validate,
+    material_check, spectrum_edit, validate,
 };
 use crate::control::{Cancel, WorkProgress};
 use crate::math::{Bounds, DAffine3};
@@ -365,6 +365,8 @@ impl SceneDesc {
     pub fn set_emission(&mut self, surface: usize, emission: Option<Rgb>) -> Result<()> {
         let known = self.live_surface(surface)?;
         let emission = check_emission(&known.path, emission)?;
+        let emission =
+            emission.map(|it| spectrum_edit::dressed(&known.path, known.spectrum.as_ref(), it)).transpose()?;
         self.check_look(&known.path, emission, Some(known.material), &known.shape, &known.to_world())?;
         if let (Some(web), Some(factor)) = (&known.web, emission) {
             web.check(&known.path, &known.shape, factor, known.emits_both)?;
@@ -470,6 +472,7 @@ impl SceneDesc {
             emission,
             emits_both: look.emits_both,
             web: None,
+            spectrum: None,
             hidden: false,
         });
         self.index.see(&self.surfaces);

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::json::join;
-use super::{HosekWilkieDesc, SceneDesc, texture_check, validate};
+use super::{HosekWilkieDesc, SceneDesc, SpectrumDesc, texture_check, validate};
 use crate::emitter::{FormulaSky, SkyFormula};
 use crate::math::{DMat3, DQuat, DVec3};
 use crate::shape::Triangle;
@@ -24,6 +24,9 @@ pub struct EnvironmentDesc {
     pub visible: bool,
     /// Openings through which it comes into rooms, [`MAX_PORTALS`] at most. They make it found sooner there, and change nothing else.
     pub portals: Vec<PortalDesc>,
+    /// The shape of the spectrum, of which renders in wavelengths get the luminance of the radiance, whatever varies it; `None` for the
+    /// smooth spectrum of the colour times that of D65. Skies by a formula have none.
+    pub spectrum: Option<SpectrumDesc>,
 }
 
 /// Most portals of an environment, as each light sample looks at all of them.
@@ -66,7 +69,7 @@ impl PortalDesc {
 impl EnvironmentDesc {
     /// An environment that camera rays see, of this radiance [W m^-2 sr^-1] from every direction.
     pub fn even(radiance: Rgb) -> Self {
-        Self { path: String::new(), radiance, sky: SkyDesc::Even, visible: true, portals: Vec::new() }
+        Self { path: String::new(), radiance, sky: SkyDesc::Even, visible: true, portals: Vec::new(), spectrum: None }
     }
 
     /// The texture that varies it.

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use super::edit::none_such;
-use super::{SceneDesc, validate};
+use super::{SceneDesc, SpectrumDesc, validate};
 use crate::Result;
 use crate::math::DVec3;
 use crate::photometry::Web;
@@ -21,6 +21,9 @@ pub struct PointLightDesc {
     pub intensity: Rgb,
     /// How the radiant intensity varies by direction.
     pub distribution: LightDistribution,
+    /// The shape of the spectrum, of which renders in wavelengths get the luminance of `intensity`; `None` for the smooth spectrum of the
+    /// colour times that of D65.
+    pub spectrum: Option<SpectrumDesc>,
 }
 
 /// How the radiant intensity of a point varies by direction.
@@ -95,7 +98,7 @@ impl SpotDesc {
 impl PointLightDesc {
     /// A point light of this radiant intensity [W sr^-1] in all directions.
     pub fn even(position: DVec3, intensity: Rgb) -> Self {
-        Self { path: String::new(), position, intensity, distribution: LightDistribution::Even }
+        Self { path: String::new(), position, intensity, distribution: LightDistribution::Even, spectrum: None }
     }
 }
 
@@ -115,8 +118,11 @@ impl SceneDesc {
     /// # Errors
     /// The errors are those of [`Self::add_point_light`], and an error for a number that no light has.
     pub fn set_point_light(&mut self, light: usize, position: DVec3, intensity: Rgb) -> Result<()> {
-        let distribution = self.lights.get(light).map(|known| known.distribution.clone()).unwrap_or_default();
-        self.set_light_desc(light, PointLightDesc { distribution, ..PointLightDesc::even(position, intensity) })
+        let mut edited = PointLightDesc::even(position, intensity);
+        if let Some(known) = self.lights.get(light) {
+            (edited.distribution, edited.spectrum) = (known.distribution.clone(), known.spectrum.clone());
+        }
+        self.set_light_desc(light, edited)
     }
 
     /// Adds a point light with its distribution and returns its number. The path of the description is not read.

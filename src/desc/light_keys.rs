@@ -11,7 +11,8 @@ use super::json::{self, join};
 use super::numbers::{unless, unless_color};
 use super::photometric::{LightKeys, Unit};
 use super::{
-    LightDistribution, MotionDesc, PointLightDesc, SceneDesc, SpotDesc, WebDesc, motion_keys, numbers, save, validate,
+    LightDistribution, MotionDesc, PointLightDesc, SceneDesc, SpotDesc, WebDesc, motion_keys, numbers, save,
+    spectrum_keys, validate,
 };
 use crate::math::DVec3;
 use crate::photometry::LUMENS_PER_WATT;
@@ -35,6 +36,9 @@ pub(super) struct PointLight {
     unit: Option<Unit>,
     /// Colour temperature in kelvin, in [1000, 15000], in place of `color`: that of a Planckian radiator, of luminance 1.
     temperature: Option<f64>,
+    /// The spectrum, in place of `color`: radiant intensity, W/(sr nm); with a `unit`, or with a `color`, whose luminance counts then, its shape alone.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<super::spectrum_keys::Spectrum>"))]
+    spectrum: Option<Box<RawValue>>,
     /// Keyframes, by which the light is moved and turned from where the other keys have it. Default: it rests.
     motion: Option<Vec<motion_keys::Key>>,
 }
@@ -65,6 +69,9 @@ pub(super) struct SpotLight {
     unit: Option<Unit>,
     /// Colour temperature in kelvin, in [1000, 15000], in place of `color`: that of a Planckian radiator, of luminance 1.
     temperature: Option<f64>,
+    /// The spectrum, in place of `color`: radiant intensity, W/(sr nm); with a `unit`, or with a `color`, whose luminance counts then, its shape alone.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<super::spectrum_keys::Spectrum>"))]
+    spectrum: Option<Box<RawValue>>,
     /// Degrees between the axis and the directions from which on there is no light, in [0.01, 180]. Default 45.
     outer_cone_angle: Option<f64>,
     /// Degrees between the axis and the directions up to which the light is full, in [0, outerConeAngle]. Default 0.
@@ -103,6 +110,9 @@ pub(super) struct WebLight {
     unit: Option<Unit>,
     /// Colour temperature in kelvin, in [1000, 15000], in place of `color`: that of a Planckian radiator, of luminance 1.
     temperature: Option<f64>,
+    /// The spectrum, in place of `color`: radiant intensity, W/(sr nm); with a `unit`, or with a `color`, whose luminance counts then, its shape alone.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<super::spectrum_keys::Spectrum>"))]
+    spectrum: Option<Box<RawValue>>,
     /// Degrees by which the luminaire is tilted from straight down, for files with factors of tilted lamps. Default 0.
     tilt: Option<f64>,
     /// Keyframes, by which the light is moved and turned from where the other keys have it. Default: it rests.
@@ -132,17 +142,18 @@ pub(super) fn put(scene: &mut SceneDesc, path: &str, (light, motion): MovingLigh
 }
 
 /// Reads a point light.
-pub(super) fn point(raw: &RawValue, path: &str) -> Result<MovingLight> {
+pub(super) fn point(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<MovingLight> {
     let light: PointLight = json::object(raw, path)?;
+    let spectrum = spectrum_keys::read_some(light.spectrum.as_deref(), path, builder)?;
     let PointLight { color, intensity, temperature, unit, .. } = light;
-    let keys = LightKeys { color, intensity, temperature, unit };
+    let keys = LightKeys { color, intensity, temperature, unit, spectrum: spectrum.as_ref() };
     let (color, factor) = keys.resolve(path, None, &[(Unit::Candela, 1.0), (Unit::Lumen, 4.0 * PI)])?;
     let even = validate::point_light(path, light.origin, color, factor)?;
-    Ok((even, light.motion))
+    Ok((PointLightDesc { spectrum, ..even }, light.motion))
 }
 
 /// Reads a spot light.
-pub(super) fn spot(raw: &RawValue, path: &str) -> Result<MovingLight> {
+pub(super) fn spot(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<MovingLight> {
     let light: SpotLight = json::object(raw, path)?;
     let default = SpotDesc::new(DVec3::from_array(light.direction));
     let spot = SpotDesc {
@@ -151,11 +162,12 @@ pub(super) fn spot(raw: &RawValue, path: &str) -> Result<MovingLight> {
         ..default
     };
     validate::spot(path, &spot)?;
+    let spectrum = spectrum_keys::read_some(light.spectrum.as_deref(), path, builder)?;
     let SpotLight { color, intensity, temperature, unit, .. } = light;
-    let keys = LightKeys { color, intensity, temperature, unit };
+    let keys = LightKeys { color, intensity, temperature, unit, spectrum: spectrum.as_ref() };
     let (color, factor) = keys.resolve(path, None, &[(Unit::Candela, 1.0), (Unit::Lumen, spot.solid_angle())])?;
     let even = validate::point_light(path, light.origin, color, factor)?;
-    Ok((PointLightDesc { distribution: LightDistribution::Spot(spot), ..even }, light.motion))
+    Ok((PointLightDesc { distribution: LightDistribution::Spot(spot), spectrum, ..even }, light.motion))
 }
 
 /// Reads a measured lamp. The file is read at its first use.
@@ -169,8 +181,9 @@ pub(super) fn web(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Resu
         ..default
     };
     validate::web(path, &web, Rgb::ZERO)?;
+    let spectrum = spectrum_keys::read_some(light.spectrum.as_deref(), path, builder)?;
     let WebLight { color, intensity, temperature, unit, .. } = light;
-    let keys = LightKeys { color, intensity, temperature, unit };
+    let keys = LightKeys { color, intensity, temperature, unit, spectrum: spectrum.as_ref() };
     let flux = web.web.flux() * web.tilt_factor();
     if unit == Some(Unit::Lumen) && flux <= 0.0 {
         return Err(Error::invalid(join(path, "unit"), "the file is of a dark lamp, which no factor makes shine"));
@@ -179,13 +192,14 @@ pub(super) fn web(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Resu
     let (color, factor) = keys.resolve(path, Some([1.0; 3]), &[(Unit::Lumen, flux / LUMENS_PER_WATT)])?;
     let even = validate::point_light(path, light.origin, color, factor)?;
     validate::web(path, &web, even.intensity)?;
-    Ok((PointLightDesc { distribution: LightDistribution::Web(web), ..even }, light.motion))
+    Ok((PointLightDesc { distribution: LightDistribution::Web(web), spectrum, ..even }, light.motion))
 }
 
 /// Writes a point light, whose numbers have been checked. `file` is the name of the file of its web, where it has one.
 pub(super) fn write(light: &PointLightDesc, file: &str, motion: Option<&MotionDesc>) -> Result<Box<RawValue>> {
     let (origin, color) = (light.position.to_array(), numbers::color(light.intensity));
     let motion = motion.map(motion_keys::write_motion);
+    let spectrum = light.spectrum.as_ref().map(spectrum_keys::write).transpose()?;
     match &light.distribution {
         LightDistribution::Even => save::raw(&PointLight {
             _type: PointTag::Point,
@@ -194,6 +208,7 @@ pub(super) fn write(light: &PointLightDesc, file: &str, motion: Option<&MotionDe
             intensity: None,
             unit: None,
             temperature: None,
+            spectrum,
             motion,
         }),
         LightDistribution::Spot(spot) => {
@@ -206,6 +221,7 @@ pub(super) fn write(light: &PointLightDesc, file: &str, motion: Option<&MotionDe
                 intensity: None,
                 unit: None,
                 temperature: None,
+                spectrum,
                 outer_cone_angle: unless(spot.outer_deg, default.outer_deg),
                 inner_cone_angle: unless(spot.inner_deg, default.inner_deg),
                 motion,
@@ -224,6 +240,7 @@ pub(super) fn write(light: &PointLightDesc, file: &str, motion: Option<&MotionDe
                 intensity: None,
                 unit: None,
                 temperature: None,
+                spectrum,
                 motion,
             })
         }

@@ -1,6 +1,8 @@
 //! Descriptions of materials.
 
-use super::{ConductorDesc, Dispersion, MicrofacetsDesc, PrincipledDesc, TextureBinding, TextureKey};
+use super::{
+    ConductorDesc, Dispersion, MicrofacetsDesc, PrincipledDesc, SpectrumDesc, SpectrumKey, TextureBinding, TextureKey,
+};
 use crate::spectrum::Rgb;
 
 /// A named material.
@@ -29,6 +31,9 @@ pub struct MaterialDesc {
     /// Emitted radiance [W m^-2 sr^-1] on the normal's side of all surfaces of this material that have no emission of their own.
     /// The same materials as for [`Self::opacity`] can emit, and only opaque ones.
     pub emission: Option<Rgb>,
+    /// The parameters that have spectra of their own, each at most once: renders in wavelengths use them, and others the colours of these
+    /// spectra, which the parameters of `bsdf`, `medium` and `emission` become.
+    pub spectra: Vec<(SpectrumKey, SpectrumDesc)>,
     /// The parameters that textures vary, each at most once. Textures that vary the normal or the opacity belong to materials that are
     /// named by surfaces, not to parts of other materials.
     pub textures: Vec<TextureBinding>,
@@ -46,6 +51,7 @@ impl Default for MaterialDesc {
             dispersion: None,
             opacity: 1.0,
             emission: None,
+            spectra: Vec::new(),
             textures: Vec::new(),
         }
     }
@@ -84,7 +90,7 @@ impl MaterialDesc {
     /// Whether all parts that have an inside have the same one.
     pub(crate) fn is_one_body(&self, materials: &[Self]) -> bool {
         let (mut first, mut is_one) = (None, true);
-        self.each_body(materials, &mut |body| is_one &= *first.get_or_insert(body) == body);
+        self.each_body(materials, &mut |body| is_one &= *first.get_or_insert_with(|| body.clone()) == body);
         is_one
     }
 
@@ -114,13 +120,15 @@ impl MaterialDesc {
                 _ => Rgb::ZERO,
             };
             let medium = MediumDesc { absorption: absorption + own, priority };
-            each(Body { ior, exterior_ior, medium, dispersion: self.dispersion });
+            let absorption = self.spectra.iter().find(|(key, _)| *key == SpectrumKey::Absorption);
+            let absorption = absorption.map(|(_, spectrum)| spectrum.clone());
+            each(Body { ior, exterior_ior, medium, dispersion: self.dispersion, absorption });
         }
     }
 }
 
 /// What fills a body.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Body {
     /// Index of refraction.
     pub ior: f32,
@@ -130,6 +138,8 @@ pub(crate) struct Body {
     pub medium: MediumDesc,
     /// How the index depends on the wavelength.
     pub dispersion: Option<Dispersion>,
+    /// How the absorption does.
+    pub absorption: Option<SpectrumDesc>,
 }
 
 impl Body {

@@ -1,6 +1,7 @@
 //! Checks of materials whose numbers are already in single precision.
 
 use super::json::{elided, join};
+use super::material_spectra;
 use super::validate::{absorption, emission, positive, reflectance, survival_rate, within};
 use super::{BsdfDesc, ConductorDesc, Masking, MaterialDesc, MediumDesc, MicrofacetsDesc, PrincipledDesc};
 use crate::spectrum::Rgb;
@@ -14,6 +15,9 @@ const MOST_LEVELS: usize = 16;
 
 /// Checks a material. It may name `materials`, which come before it. An emission without any light becomes `None`.
 pub(super) fn check(material: &mut MaterialDesc, materials: &[MaterialDesc]) -> Result<()> {
+    if !material.spectra.is_empty() {
+        material_spectra::apply(material)?;
+    }
     let MaterialDesc { path, bsdf, survival, medium: inside, .. } = &*material;
     let at = |key: &str| join(path, key);
     model(path, bsdf, materials)?;

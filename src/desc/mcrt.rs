@@ -148,7 +148,7 @@ fn light(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {
     }
     let light: AreaLight = object(raw, path, builder)?;
     let vertices = [light.vertex_1, light.vertex_2, light.vertex_3].map(DVec3::from_array);
-    builder.add_area_light(path, vertices, light.color, light.intensity)
+    builder.add_area_light(path, vertices, (light.color, light.intensity), None)
 }
 
 fn material(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {

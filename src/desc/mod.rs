@@ -69,6 +69,7 @@ mod light_keys;
 mod material;
 mod material_check;
 mod material_keys;
+mod material_spectra;
 mod mcrt;
 mod mesh_files;
 mod microfacets;
@@ -97,6 +98,10 @@ mod scene_file;
 mod schema;
 mod shape;
 mod sky_keys;
+mod spectrum;
+mod spectrum_edit;
+mod spectrum_file;
+mod spectrum_keys;
 mod sun;
 mod surface;
 mod texture;
@@ -146,6 +151,8 @@ pub use render::{CropDesc, FilterDesc, MAX_PIXELS, MAX_SHADOW_RAYS, RenderDesc, 
 pub use scene::{Dialect, SceneDesc};
 #[cfg(feature = "schema")]
 pub use schema::schema;
+pub use spectrum::{LightSpectrum, MOST_SAMPLES, SpectrumDesc, SpectrumKey, StandardIlluminant};
+pub use spectrum_edit::SpectrumTarget;
 pub use sun::sun_direction;
 pub(crate) use texture::Parameter;
 pub use texture::{

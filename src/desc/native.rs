@@ -14,7 +14,7 @@ use super::builder::Builder;
 use super::photometric::{LightKeys, Unit};
 use super::{
     Dialect, RenderDesc, SceneDesc, backplate_keys, camera_keys, json, light_keys, material_keys, render_keys,
-    sky_keys, surface, texture_keys,
+    sky_keys, spectrum_keys, surface, texture_keys,
 };
 use crate::control::WorkProgress;
 use crate::math::DVec3;
@@ -71,6 +71,9 @@ pub(super) struct AreaLight {
     unit: Option<Unit>,
     /// Colour temperature in kelvin, in [1000, 15000], in place of `color`: that of a Planckian radiator, of luminance 1.
     temperature: Option<f64>,
+    /// The spectrum, in place of `color`: radiance, W/(m^2 sr nm); with a `unit`, or with a `color`, whose luminance counts then, its shape alone.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<super::spectrum_keys::Spectrum>"))]
+    spectrum: Option<Box<RawValue>>,
 }
 
 #[derive(Deserialize, Serialize)]
@@ -108,11 +111,11 @@ pub(super) fn read(
 fn light(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {
     match json::tag(raw, path, "type", &["point", "area", "distant", "environment", "sky", "spot", "web"])?.as_str() {
         "point" => {
-            let light = light_keys::point(raw, path)?;
+            let light = light_keys::point(raw, path, builder)?;
             light_keys::put(&mut builder.scene, path, light)
         }
         "spot" => {
-            let light = light_keys::spot(raw, path)?;
+            let light = light_keys::spot(raw, path, builder)?;
             light_keys::put(&mut builder.scene, path, light)
         }
         "web" => {
@@ -122,18 +125,18 @@ fn light(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {
         "area" => {
             let light: AreaLight = json::object(raw, path)?;
             let vertices = [light.vertex_1, light.vertex_2, light.vertex_3].map(DVec3::from_array);
+            let spectrum = spectrum_keys::read_some(light.spectrum.as_deref(), path, builder)?;
             let AreaLight { color, intensity, temperature, unit, .. } = light;
-            let keys = LightKeys { color, intensity, temperature, unit };
+            let keys = LightKeys { color, intensity, temperature, unit, spectrum: spectrum.as_ref() };
             // A triangle without an area is refused as such.
             let [a, b, c] = vertices;
             let area = 0.5 * (b - a).cross(c - a).length();
             let per_luminance = if area > 0.0 && area.is_finite() { PI * area } else { 1.0 };
-            let (color, factor) =
-                keys.resolve(path, None, &[(Unit::CandelaPerArea, 1.0), (Unit::Lumen, per_luminance)])?;
-            builder.add_area_light(path, vertices, color, factor)
+            let light = keys.resolve(path, None, &[(Unit::CandelaPerArea, 1.0), (Unit::Lumen, per_luminance)])?;
+            builder.add_area_light(path, vertices, light, spectrum)
         }
         "distant" => {
-            let light = sky_keys::distant(json::object(raw, path)?, path)?;
+            let light = sky_keys::distant(json::object(raw, path)?, path, builder)?;
             builder.scene.distant_lights.push(light);
             Ok(())
         }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::AreaWebDesc;
+use super::{AreaWebDesc, SpectrumDesc};
 use crate::buffer::Buffer;
 use crate::math::{Bounds, DAffine3, DVec3};
 use crate::spectrum::Rgb;
@@ -144,6 +144,9 @@ pub struct SurfaceDesc {
     pub emits_both: bool,
     /// How a flat surface with an emission of its own shines by direction; `None` for one that shines evenly.
     pub web: Option<Arc<AreaWebDesc>>,
+    /// The shape of the spectrum of an emission of its own, of which renders in wavelengths get the luminance of `emission`; `None` for
+    /// the smooth spectrum of the colour times that of D65.
+    pub spectrum: Option<SpectrumDesc>,
     /// Whether the surface was removed, so that no ray hits it. The other surfaces keep their numbers.
     pub hidden: bool,
 }

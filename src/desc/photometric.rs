@@ -7,7 +7,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::json::join;
-use super::validate;
+use super::{SpectrumDesc, validate};
 use crate::math::DVec3;
 use crate::photometry::{LUMENS_PER_WATT, TEMPERATURES, of_luminance_one, planckian};
 use crate::spectrum::Rgb;
@@ -48,21 +48,33 @@ impl Unit {
 
 /// The keys that say how much light there is, and of which colour.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct LightKeys {
+pub(super) struct LightKeys<'a> {
     pub color: Option<[f64; 3]>,
     pub intensity: Option<f64>,
     pub temperature: Option<f64>,
     pub unit: Option<Unit>,
+    pub spectrum: Option<&'a SpectrumDesc>,
 }
 
-impl LightKeys {
+impl LightKeys<'_> {
     /// The light's colour and the factor on it, whose product is the light's radiometric quantity per channel.
     ///
     /// `default`: the colour where the file gives none, if it need not give one. `units`: the photometric units of this kind of
     /// light, each with the quantity in them that is 1 lm/sr, 1 lm/m^2 or 1 lm/(m^2 sr).
     pub fn resolve(&self, path: &str, default: Option<[f64; 3]>, units: &[(Unit, f64)]) -> Result<([f64; 3], f64)> {
         let unit = self.unit.filter(|unit| *unit != Unit::Watt);
+        let spectrum = self.spectrum.map(|spectrum| spectrum.light(&join(path, "spectrum"))).transpose()?;
         let color = match (self.color, self.temperature) {
+            (_, Some(_)) if spectrum.is_some() => {
+                let message = "`spectrum` says the colour already, expected one of both";
+                return Err(Error::invalid(join(path, "temperature"), message));
+            }
+            (stated, _) if let Some(spectrum) = &spectrum => {
+                let stated = stated.map(|color| {
+                    validate::emission(&join(path, "color"), color, 1.0).map(|_| DVec3::from_array(color))
+                });
+                spectrum.dress(stated.transpose()?).to_array()
+            }
             (Some(_), Some(_)) => {
                 let message = "`color` says the colour already, expected one of both";
                 return Err(Error::invalid(join(path, "temperature"), message));
@@ -99,7 +111,17 @@ pub(super) fn emission(
     radiance: Option<[f64; 3]>,
     luminance: Option<f64>,
     temperature: Option<f64>,
+    spectrum: Option<&SpectrumDesc>,
 ) -> Result<Option<Rgb>> {
+    if let Some(spectrum) = spectrum {
+        let light = spectrum.light(&join(path, "spectrum"))?;
+        if temperature.is_some() {
+            let message = "`spectrum` says the colour already, expected one of both";
+            return Err(Error::invalid(join(path, "temperature"), message));
+        }
+        let stated = emission(path, radiance, luminance, None, None)?;
+        return validate::emission(&join(path, "spectrum"), light.dress(stated.map(Rgb::to_f64)), 1.0).map(Some);
+    }
     let Some(value) = luminance else {
         if temperature.is_some() {
             return Err(Error::invalid(join(path, "temperature"), "is used with `luminance` only"));

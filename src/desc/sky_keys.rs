@@ -13,7 +13,7 @@ use super::photometric::{LightKeys, Unit};
 use super::save::{self, Names};
 use super::{
     DistantLightDesc, EnvironmentDesc, EnvironmentMapDesc, FormulaSkyDesc, HosekWilkieDesc, PortalDesc, SkyDesc,
-    SkyProjection, numbers, sun_direction, texture_check, validate,
+    SkyProjection, numbers, spectrum_keys, sun_direction, texture_check, validate,
 };
 use crate::emitter::{SUN_DIAMETER_DEG, SkyFormula};
 use crate::math::DVec3;
@@ -35,6 +35,9 @@ pub(super) struct Environment {
     unit: Option<Unit>,
     /// Colour temperature in kelvin, in [1000, 15000], in place of `color`: that of a Planckian radiator, of luminance 1.
     temperature: Option<f64>,
+    /// The spectrum, in place of `color`: radiance, W/(m^2 sr nm); with a `unit`, or with a `color`, whose luminance counts then, its shape alone.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<super::spectrum_keys::Spectrum>"))]
+    spectrum: Option<Box<RawValue>>,
     /// Name of a texture over longitude and latitude, which varies the radiance.
     texture: Option<String>,
     /// With a texture: how the directions lie in its image. Default "latlong".
@@ -84,6 +87,9 @@ pub(super) struct Distant {
     unit: Option<Unit>,
     /// Colour temperature in kelvin, in [1000, 15000], in place of `color`: that of a Planckian radiator, of luminance 1.
     temperature: Option<f64>,
+    /// The spectrum, in place of `color`: irradiance of a surface across the light, W/(m^2 nm); with a `unit`, or with a `color`, whose luminance counts then, its shape alone.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<super::spectrum_keys::Spectrum>"))]
+    spectrum: Option<Box<RawValue>>,
     /// The direction towards the light. Required, or `sunAt`.
     sun: Option<[f64; 3]>,
     /// Place and time that say where the sun stands, in place of `sun`.
@@ -191,6 +197,7 @@ pub(super) fn write_environment(environment: &EnvironmentDesc, names: &Names) ->
         intensity: None,
         unit: None,
         temperature: None,
+        spectrum: environment.spectrum.as_ref().map(spectrum_keys::write).transpose()?,
         texture: map.map(|map| names.textures[map.texture].clone()),
         projection: map.and_then(|map| match map.projection {
             SkyProjection::LatLong => None,
@@ -216,11 +223,12 @@ fn portals(given: Option<Vec<Vec<[f64; 3]>>>) -> Vec<PortalDesc> {
 }
 
 /// Reads an environment.
-pub(super) fn environment(light: Environment, path: &str, builder: &Builder<'_>) -> Result<EnvironmentDesc> {
+pub(super) fn environment(light: Environment, path: &str, builder: &mut Builder<'_>) -> Result<EnvironmentDesc> {
+    let spectrum = spectrum_keys::read_some(light.spectrum.as_deref(), path, builder)?;
     let Environment { color, intensity, temperature, unit, .. } = light;
-    let keys = LightKeys { color, intensity, temperature, unit };
+    let keys = LightKeys { color, intensity, temperature, unit, spectrum: spectrum.as_ref() };
     let default = light.texture.is_some().then_some([1.0; 3]);
-    if (color, temperature, unit, default) == (None, None, None, None) {
+    if (color, temperature, unit, default) == (None, None, None, None) && spectrum.is_none() {
         return Err(Error::invalid(path, "missing key `color`, or `texture`"));
     }
     let (color, factor) = keys.resolve(path, default, &[(Unit::CandelaPerArea, 1.0)])?;
@@ -250,7 +258,7 @@ pub(super) fn environment(light: Environment, path: &str, builder: &Builder<'_>)
         }
     };
     let portals = portals(light.portals);
-    let environment = EnvironmentDesc { sky, visible: light.visible.unwrap_or(true), portals, ..even };
+    let environment = EnvironmentDesc { sky, spectrum, visible: light.visible.unwrap_or(true), portals, ..even };
     check_portals(&environment)?;
     texture_check::environment(&environment, &builder.scene.textures)?;
     Ok(environment)
@@ -264,6 +272,7 @@ pub(super) fn write_distant(light: &DistantLightDesc) -> Result<Box<RawValue>> {
         intensity: None,
         unit: None,
         temperature: None,
+        spectrum: light.spectrum.as_ref().map(spectrum_keys::write).transpose()?,
         sun: Some(light.towards.to_array()),
         sun_at: None,
         angle: unless(light.angle_deg, 0.0),
@@ -318,9 +327,10 @@ fn write_hosek_wilkie(environment: &EnvironmentDesc, sky: &HosekWilkieDesc) -> R
 }
 
 /// Reads distant light.
-pub(super) fn distant(light: Distant, path: &str) -> Result<DistantLightDesc> {
+pub(super) fn distant(light: Distant, path: &str, builder: &mut Builder<'_>) -> Result<DistantLightDesc> {
+    let spectrum = spectrum_keys::read_some(light.spectrum.as_deref(), path, builder)?;
     let Distant { color, intensity, temperature, unit, .. } = light;
-    let keys = LightKeys { color, intensity, temperature, unit };
+    let keys = LightKeys { color, intensity, temperature, unit, spectrum: spectrum.as_ref() };
     let (color, factor) = keys.resolve(path, None, &[(Unit::Lux, 1.0)])?;
     let factor = validate::intensity(&join(path, "intensity"), factor)?;
     let irradiance = validate::emission(&join(path, "color"), color, factor)?;
@@ -333,7 +343,7 @@ pub(super) fn distant(light: Distant, path: &str) -> Result<DistantLightDesc> {
     };
     let angle_deg = light.angle.unwrap_or(0.0);
     let visible = light.visible.unwrap_or(true);
-    let light = DistantLightDesc { path: path.to_owned(), towards, irradiance, angle_deg, visible };
+    let light = DistantLightDesc { path: path.to_owned(), towards, irradiance, angle_deg, visible, spectrum };
     light.check()?;
     Ok(light)
 }
@@ -362,7 +372,7 @@ pub(super) fn sky(light: FormulaSky, path: &str) -> Result<EnvironmentDesc> {
         (None, None) => return Err(Error::invalid(path, "missing key `cie`, or `perez`, or `turbidity`")),
     };
     let FormulaSky { color, intensity, temperature, unit, .. } = light;
-    let keys = LightKeys { color, intensity, temperature, unit };
+    let keys = LightKeys { color, intensity, temperature, unit, spectrum: None };
     // Luminance is that of the zenith and illuminance that of the horizontal, whether or not the scale says so too.
     let (scale, units) = match (light.scale, unit) {
         (None, Some(Unit::Lux)) => (ScaleTag::Horizontal, (Unit::Lux, 1.0)),

@@ -8,7 +8,7 @@ use serde_json::value::RawValue;
 use super::area_web_keys::AreaWeb;
 use super::builder::Builder;
 use super::json::{self, Scale, join};
-use super::{MeshDesc, ShapeDesc, SurfaceLook, motion_keys, photometric, transform, validate};
+use super::{MeshDesc, ShapeDesc, SurfaceLook, motion_keys, photometric, spectrum_keys, transform, validate};
 use crate::math::{Bounds, DAffine3, DVec3};
 use crate::{Error, Result};
 
@@ -36,6 +36,11 @@ macro_rules! surface {
             luminance: Option<f64>,
             /// With `luminance`: colour temperature in kelvin, in [1000, 15000]: that of a Planckian radiator. Default: white.
             temperature: Option<f64>,
+            /// The spectrum of the light, in place of `emission`: radiance, W/(m^2 sr nm); with `luminance`, with `web`, or with an `emission`,
+            /// whose luminance counts then, its shape alone. Default: none.
+            #[serde(borrow)]
+            #[cfg_attr(feature = "schema", schemars(with = "Option<super::spectrum_keys::Spectrum>"))]
+            spectrum: Option<&'a RawValue>,
             /// Of a flat surface, in place of `emission`: a measured lamp, as which the surface shines. Default: none.
             web: Option<AreaWeb>,
             /// Of a surface that emits light: `front`, on the normal's side (default), or `both` sides. Not `both` of spheres.
@@ -60,6 +65,7 @@ macro_rules! surface {
                     temperature: self.temperature,
                     emits: self.emits,
                     web: self.web.take(),
+                    spectrum: self.spectrum,
                 };
                 let motion = self.motion.take();
                 place(path, self.material.as_deref(), light, self.transform, motion, shape, builder)
@@ -267,12 +273,13 @@ enum Emits {
 }
 
 /// The keys of the light that a surface emits.
-struct Light {
+struct Light<'a> {
     emission: Option<[f64; 3]>,
     luminance: Option<f64>,
     temperature: Option<f64>,
     emits: Option<Emits>,
     web: Option<AreaWeb>,
+    spectrum: Option<&'a RawValue>,
 }
 
 /// A box, axis-aligned in the quadric's frame.
@@ -445,6 +452,7 @@ impl Mesh<'_> {
             ("temperature", self.temperature.is_some()),
             ("emits", self.emits.is_some()),
             ("web", self.web.is_some()),
+            ("spectrum", self.spectrum.is_some()),
             ("mesh", self.mesh.is_some()),
             ("positions", self.positions.is_some()),
             ("triangles", self.triangles.is_some()),
@@ -516,14 +524,16 @@ pub(super) fn shared_mesh(raw: &RawValue, path: &str, builder: &mut Builder<'_>)
 fn place(
     path: &str,
     material: Option<&str>,
-    light: Light,
+    light: Light<'_>,
     outer: Option<&RawValue>,
     motion: Option<Vec<motion_keys::Key>>,
     shape: Result<(ShapeDesc, DAffine3)>,
     builder: &mut Builder<'_>,
 ) -> Result<()> {
     let (shape, local) = shape.map_err(json::below(path))?;
-    let mut emission = photometric::emission(path, light.emission, light.luminance, light.temperature)?;
+    let spectrum = spectrum_keys::read_some(light.spectrum, path, builder)?;
+    let own = spectrum.as_ref().filter(|_| light.web.is_none());
+    let mut emission = photometric::emission(path, light.emission, light.luminance, light.temperature, own)?;
     let web = match &light.web {
         None => None,
         Some(keys) => {
@@ -548,6 +558,7 @@ fn place(
     if web.is_some() {
         builder.scene.set_surface_web(surface, web)?;
     }
+    builder.scene.set_surface_spectrum(surface, spectrum)?;
     match motion {
         None => Ok(()),
         Some(keys) => {

@@ -3,7 +3,7 @@
 use super::json::{Whole, elided, join};
 use super::{
     EnvironmentDesc, EnvironmentMapDesc, FormulaSkyDesc, LightDistribution, MaterialDesc, MeshDesc, PointLightDesc,
-    ShapeDesc, SpotDesc, WebDesc,
+    ShapeDesc, SpotDesc, WebDesc, spectrum_edit,
 };
 use crate::emitter::SkyFormula;
 use crate::math::{Bounds, DAffine3, DVec3, similarity_scale};
@@ -184,7 +184,8 @@ pub(super) fn light(light: PointLightDesc) -> Result<PointLightDesc> {
         LightDistribution::Spot(it) => spot(&light.path, it)?,
         LightDistribution::Web(it) => web(&light.path, it, even.intensity)?,
     }
-    Ok(PointLightDesc { distribution: light.distribution, ..even })
+    let intensity = spectrum_edit::dressed(&light.path, light.spectrum.as_ref(), even.intensity)?;
+    Ok(PointLightDesc { distribution: light.distribution, spectrum: light.spectrum, intensity, ..even })
 }
 
 /// Checks the directions and the tilt of a web, and that its intensities times `factor` fit single precision.

@@ -67,7 +67,14 @@ impl DistantEmitter {
     #[inline]
     pub(super) fn sample(&self, receiver: &Receiver, u: [f32; 2]) -> EmitterSample {
         let (wi, pdf, radiance) = self.sample_direction(u);
-        EmitterSample { wi, target: self.ball.beyond(receiver.p, wi), radiance, pdf, is_delta: !self.is_disk() }
+        EmitterSample {
+            wi,
+            target: self.ball.beyond(receiver.p, wi),
+            radiance,
+            pdf,
+            emitter: 0,
+            is_delta: !self.is_disk(),
+        }
     }
 
     /// The radiance from a unit direction, and the density \[sr^-1\] with which that is sampled; `None` where the disk is not.

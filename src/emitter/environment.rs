@@ -41,7 +41,7 @@ impl EnvironmentEmitter {
             None => warps::uniform_sphere(u),
         };
         let target = self.ball.beyond(receiver.p, wi);
-        EmitterSample { wi, target, radiance: self.radiance, pdf: self.pdf(receiver, wi), is_delta: false }
+        EmitterSample { wi, target, radiance: self.radiance, pdf: self.pdf(receiver, wi), emitter: 0, is_delta: false }
     }
 
     /// Density of a direction (sr^-1).

@@ -317,7 +317,7 @@ impl EnvironmentMapEmitter {
             None => self.map.sample(u, beside_bsdf),
             Some(portals) => self.sample_through(portals, receiver.p, u, beside_bsdf),
         };
-        EmitterSample { wi, target: self.ball.beyond(receiver.p, wi), radiance, pdf, is_delta: false }
+        EmitterSample { wi, target: self.ball.beyond(receiver.p, wi), radiance, pdf, emitter: 0, is_delta: false }
     }
 
     /// The density \[sr^-1\] with which [`Self::sample`] gives a unit direction for a receiver at `p`.

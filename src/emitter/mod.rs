@@ -20,6 +20,7 @@ mod portals;
 mod receiver;
 mod sample;
 mod sides;
+mod spectra;
 mod sphere;
 mod spot;
 mod textured;
@@ -297,6 +298,7 @@ fn sample_point(p: Vec3, position: Vec3, intensity: Rgb) -> Option<EmitterSample
         target: p + SHADOW_END * to_light,
         radiance: intensity / distance2,
         pdf: 1.0,
+        emitter: 0,
         is_delta: true,
     })
 }
@@ -332,6 +334,8 @@ pub struct EmitterSet {
     choice: Option<EmitterChoice>,
     /// For each emitter the number of that on the other side of its surface, or [`sides::NO_BACK`]; empty where no surface emits on both sides.
     backs: Vec<u32>,
+    /// `None` where no emitter has a spectrum of its own.
+    spectra: Option<Box<spectra::EmissionSpectra>>,
 }
 
 impl EmitterSet {
@@ -379,7 +383,7 @@ impl EmitterSet {
             // Light that cannot be sampled is not found by chance either.
             infinite.clear();
         }
-        Ok(Self { emitters, point_lights, infinite, choice, backs: Vec::new() })
+        Ok(Self { emitters, point_lights, infinite, choice, backs: Vec::new(), spectra: None })
     }
 
     /// Whether no emitter emits any light.
@@ -497,6 +501,7 @@ impl EmitterSet {
             Emitter::Web(emitter) => emitter.sample(p, u)?,
         };
         sample.pdf *= probability;
+        sample.emitter = index;
         (sample.pdf > 0.0 && sample.pdf.is_finite()).then_some(sample)
     }
 

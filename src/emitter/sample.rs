@@ -15,6 +15,8 @@ pub struct EmitterSample {
     pub radiance: Rgb,
     /// Density of `wi` per solid angle times the probability of the emitter; for a point light that probability alone.
     pub pdf: f32,
+    /// Number of the emitter, once the sample is one of a set.
+    pub emitter: u32,
     /// Whether the emitter is a point, which no Bsdf sample can hit.
     pub is_delta: bool,
 }
@@ -31,7 +33,7 @@ impl EmitterSample {
         // A shadow ray must not end behind `from`.
         target.error = target.error.min((0.5 * height.max(0.0)) as f32);
         let wi = (to_light / distance).as_vec3a().normalize();
-        Self { wi, target: target.offset(normal), radiance, pdf, is_delta: false }
+        Self { wi, target: target.offset(normal), radiance, pdf, emitter: 0, is_delta: false }
     }
 }
 

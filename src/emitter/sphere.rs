@@ -66,7 +66,7 @@ impl SphereEmitter {
         target.error = target.error.min((0.5 * (distance - self.sphere.radius)) as f32);
         let target = target.offset(normal);
         let pdf = (1.0 / (2.0 * PI * cone.one_minus_cos)) as f32;
-        Some(EmitterSample { wi, target, radiance: self.radiance, pdf, is_delta: false })
+        Some(EmitterSample { wi, target, radiance: self.radiance, pdf, emitter: 0, is_delta: false })
     }
 
     /// Samples a point uniformly by area.

@@ -84,7 +84,7 @@ impl TriangleEmitter {
         // A shadow ray must not end behind `p`, as it might where the light is closer than its bound.
         target.error = target.error.min((0.25 * height / f64::from(triangle.area)) as f32);
         let target = target.offset(triangle.normal);
-        Some(EmitterSample { wi, target, radiance: self.radiance, pdf, is_delta: false })
+        Some(EmitterSample { wi, target, radiance: self.radiance, pdf, emitter: 0, is_delta: false })
     }
 
     /// Samples a point uniformly by area.

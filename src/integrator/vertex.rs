@@ -80,7 +80,7 @@ pub(super) fn escaped<C: Spectrum>(
             }
             None => 1.0,
         };
-        radiance += C::from_emission(le, wavelengths) * weight;
+        radiance += scene.emitters().in_spectrum::<C>(emitter, le, wavelengths) * weight;
     });
     radiance
 }
@@ -96,7 +96,7 @@ fn emission<C: Spectrum>(
     wavelengths: &C::Wavelengths,
 ) -> C {
     let Some(emitter) = emitters.on_side(emitter, ng, wo) else { return C::ZERO };
-    let le = C::from_emission(emitters.radiance(emitter, wo, p), wavelengths);
+    let le = emitters.in_spectrum::<C>(emitter, emitters.radiance(emitter, wo, p), wavelengths);
     match previous {
         Some((receiver, pdf)) if le != C::ZERO => {
             let light_pdf = emitters.pdf_at(emitter, receiver, p, time);
@@ -397,7 +397,7 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         let shadow = point.leave_to(self.side(light.wi), light.target);
         Some((
             shadow,
-            f * C::from_emission(light.radiance, &self.wavelengths)
+            f * scene.emitters().in_spectrum::<C>(light.emitter, light.radiance, &self.wavelengths)
                 * (wi.z.abs() * weight / (light.pdf * light_samples as f32)),
         ))
     }

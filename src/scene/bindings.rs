@@ -1,7 +1,7 @@
 //! Bindings of a scene: which surface and material own each primitive, and which primitives emit. All of this can
 //! change while the geometry stays the same.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
 use super::analytic::AnalyticList;
@@ -15,7 +15,9 @@ use super::record::{AppearanceKey, GeometryRecord};
 use super::sky::environment_map;
 use super::textured_emission::{EmissionTexture, MOST_PIECES, emission_textures};
 use crate::control::WorkProgress;
-use crate::desc::{EnvironmentDesc, LightDistribution, PointLightDesc, PortalDesc, SceneDesc, SkyDesc};
+use crate::desc::{
+    EnvironmentDesc, LightDistribution, LightSpectrum, PointLightDesc, PortalDesc, SceneDesc, SkyDesc, SpectrumDesc,
+};
 use crate::emitter::{
     DirectedPoint, DiskEmitter, DistantEmitter, Distribution, Emitter, EmitterSet, EnvironmentEmitter, EnvironmentMap,
     EnvironmentMapEmitter, InfiniteBall, InnerTubeEmitter, MovingEmitter, MovingPoint, Portals, SphereEmitter, Spot,
@@ -76,13 +78,16 @@ pub(super) fn bindings(
         pieces_left: MOST_PIECES,
         emitters: Vec::new(),
         backs: Vec::new(),
+        spectra: EmissionSpectra::default(),
     };
     dresser.point_lights(unbound.centre)?;
     let owners = unbound.geometries.iter().map(|geometry| dresser.geometry(geometry)).collect::<Result<_>>()?;
     let list_owners = dresser.analytic(unbound.list.shapes(), &[], unbound.list_surfaces)?;
     dresser.light_from_infinity(&unbound, kept, threads)?;
     let pairs = dresser.append_backs();
+    let spectra = dresser.spectra.lights()?;
     let emitters = EmitterSet::cancellable(dresser.emitters, &progress.cancel)?.with_backs(&pairs);
+    let emitters = emitters.with_spectra(&dresser.spectra.pairs, spectra);
     Ok(SurfaceBindings { owners, list_owners: list_owners.into(), emitters: Arc::new(emitters) })
 }
 
@@ -121,6 +126,29 @@ fn point_emitter(light: &PointLightDesc, position: Vec3) -> Emitter {
     Emitter::Directed(Box::new(DirectedPoint { position, intensity, distribution }))
 }
 
+/// Which emitters have spectra of their own.
+#[derive(Default)]
+struct EmissionSpectra {
+    /// The number of an emitter and that of its spectrum.
+    pairs: Vec<[u32; 2]>,
+    known: HashMap<(u8, u64), u32>,
+    spectra: Vec<SpectrumDesc>,
+}
+
+impl EmissionSpectra {
+    fn add(&mut self, emitter: u32, spectrum: &SpectrumDesc) {
+        let number = *self.known.entry(spectrum.identity()).or_insert_with(|| {
+            self.spectra.push(spectrum.clone());
+            self.spectra.len() as u32 - 1
+        });
+        self.pairs.push([emitter, number]);
+    }
+
+    fn lights(&self) -> Result<Vec<LightSpectrum>> {
+        self.spectra.iter().map(|spectrum| spectrum.light("spectrum")).collect()
+    }
+}
+
 struct BindingBuilder<'a, 'p> {
     desc: &'a SceneDesc,
     progress: &'a WorkProgress<'p>,
@@ -135,6 +163,7 @@ struct BindingBuilder<'a, 'p> {
     /// Emitters on the other side of surfaces that emit on both, each with the number of that on the normal's side. They come after all
     /// others in the end, because those of a mesh have consecutive numbers.
     backs: Vec<(u32, Emitter)>,
+    spectra: EmissionSpectra,
 }
 
 impl BindingBuilder<'_, '_> {
@@ -146,10 +175,19 @@ impl BindingBuilder<'_, '_> {
         pairs
     }
 
-    /// Adds an emitter, and that of the other side where there is one; returns the number of the first.
-    fn push(&mut self, front: Emitter, back: Option<Emitter>) -> u32 {
+    /// Adds an emitter whose light has this spectrum.
+    fn push_with(&mut self, spectrum: Option<&SpectrumDesc>, emitter: Emitter) {
+        if let Some(spectrum) = spectrum {
+            self.spectra.add(self.emitters.len() as u32, spectrum);
+        }
+        self.emitters.push(emitter);
+    }
+
+    /// Adds an emitter of a surface, and that of the other side where there is one; returns the number of the first.
+    fn push(&mut self, surface: u32, front: Emitter, back: Option<Emitter>) -> u32 {
         let number = self.emitters.len() as u32;
-        self.emitters.push(front);
+        let spectrum = self.desc.surfaces[surface as usize].spectrum.as_ref();
+        self.push_with(spectrum, front);
         self.backs.extend(back.map(|back| (number, back)));
         number
     }
@@ -179,7 +217,7 @@ impl BindingBuilder<'_, '_> {
             };
             if light.intensity != Rgb::ZERO && !is_dark {
                 let emitter = point_emitter(light, position);
-                self.emitters.push(match self.desc.motion.lights.get(&number) {
+                let emitter = match self.desc.motion.lights.get(&number) {
                     Some(motion) => Emitter::Moving(Box::new(MovingEmitter::Point(MovingPoint {
                         position: light.position,
                         intensity: match &emitter {
@@ -195,7 +233,8 @@ impl BindingBuilder<'_, '_> {
                         centre,
                     }))),
                     None => emitter,
-                });
+                };
+                self.push_with(light.spectrum.as_ref(), emitter);
             }
         }
         Ok(())
@@ -222,7 +261,7 @@ impl BindingBuilder<'_, '_> {
             let towards = light.towards.normalize().as_vec3a().normalize();
             let mut emitter = DistantEmitter::new(light.irradiance, towards, light.angle_deg.to_radians(), ball);
             emitter.visible = light.visible;
-            self.emitters.push(Emitter::Distant(emitter));
+            self.push_with(light.spectrum.as_ref(), Emitter::Distant(emitter));
         }
         self.environment(ball, unbound.centre, kept, threads)
     }
@@ -241,7 +280,7 @@ impl BindingBuilder<'_, '_> {
         if environment.sky == SkyDesc::Even && environment.portals.is_empty() {
             let mut emitter = EnvironmentEmitter::new(environment.radiance, ball);
             emitter.visible = environment.visible;
-            self.emitters.push(Emitter::Environment(emitter));
+            self.push_with(environment.spectrum.as_ref(), Emitter::Environment(emitter));
             return Ok(());
         }
         let map = match kept {
@@ -257,7 +296,9 @@ impl BindingBuilder<'_, '_> {
             emitter.portals = Portals::new(portals.filter_map(triangle)).map(Arc::new);
             Emitter::EnvironmentMap(emitter)
         });
-        self.emitters.extend(emitter);
+        if let Some(emitter) = emitter {
+            self.push_with(environment.spectrum.as_ref(), emitter);
+        }
         Ok(())
     }
 
@@ -345,7 +386,7 @@ impl BindingBuilder<'_, '_> {
             let [front, back] = [false, true].map(|flipped| {
                 (flipped <= emits_both).then(|| Self::moving_triangle(triangles, index, radiance, flipped))
             });
-            return front.map(|front| self.push(front, back));
+            return front.map(|front| self.push(surface, front, back));
         }
         let corners = triangles.mesh.indices().get(index);
         let vertices = triangles.mesh.vertices();
@@ -355,7 +396,7 @@ impl BindingBuilder<'_, '_> {
             true => Some(self.triangle(geometry, Triangle::new([a, c, b])?, index, surface, radiance, true)),
             false => None,
         };
-        Some(self.push(front, back))
+        Some(self.push(surface, front, back))
     }
 
     /// Makes an emitter of a triangle that rests; `flipped`: of its other side, whose second and third corner are the third and second of
@@ -433,7 +474,7 @@ impl BindingBuilder<'_, '_> {
                         Emitter::Tube(Box::new(tube))
                     }
                 };
-                emitter = self.push(emission, other.filter(|_| self.emits_both(surface)));
+                emitter = self.push(surface, emission, other.filter(|_| self.emits_both(surface)));
             }
             Ok(self.owner(surface, emitter))
         };

@@ -16,7 +16,7 @@ use super::record::AppearanceKey;
 use super::tangents::SurfaceTangents;
 use super::textured::Textured;
 use super::{Material, Scene, SceneInfo, VaryingMaterial as _, frame, lower, roulette};
-use crate::bsdf::{Black, Bsdf};
+use crate::bsdf::{Black, Bsdf, ByWavelength};
 use crate::camera::Camera;
 use crate::control::{Cancel, WorkProgress};
 use crate::desc::{CameraDesc, MaterialDesc, SceneDesc, ShapeDesc};
@@ -164,7 +164,7 @@ fn bsdfs(desc: &SceneDesc, used: &[bool]) -> Vec<Bsdf> {
             return Bsdf::Black(Black);
         }
         let bsdf = Bsdf::of_materials(&material.bsdf, &desc.materials[..i]);
-        bsdf.with_dispersion(&material.bsdf, material.dispersion, None)
+        bsdf.by_wavelength(&material.bsdf, &ByWavelength::new(material), None)
     };
     desc.materials.iter().enumerate().map(of).collect()
 }

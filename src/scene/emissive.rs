@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::desc::{MaterialDesc, SceneDesc};
+use crate::desc::{MaterialDesc, SceneDesc, SpectrumKey};
 use crate::error::Result;
 
 /// Returns the description in which every surface of a material that emits light has the material's emission, unless the surface
@@ -21,7 +21,10 @@ pub(super) fn with_emission_of_materials(desc: &SceneDesc) -> Result<Cow<'_, Sce
         if surface.emission.is_none() {
             // A web is of the surface's own emission.
             surface.web = None;
-            surface.emission = desc.materials[surface.material].emission;
+            let material = &desc.materials[surface.material];
+            surface.emission = material.emission;
+            let own = material.spectra.iter().find(|(key, _)| *key == SpectrumKey::Emission);
+            surface.spectrum = own.map(|(_, spectrum)| spectrum.clone());
         }
     }
     Ok(Cow::Owned(lit))

@@ -22,7 +22,7 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::math::{Bounds, DVec3, Ray, Vec3};
 use crate::sampling::hash;
 use crate::shape::Analytic;
-use crate::spectrum::{Rgb, Spectrum};
+use crate::spectrum::{Rgb, SpectralCurve, Spectrum};
 
 /// The number of a medium of the scene, from 1 on; 0 stands for none.
 type Number = u8;
@@ -85,7 +85,7 @@ impl PathMedia {
 }
 
 /// A medium.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 struct Medium {
     /// Indices of refraction: of the medium, and of what is around it where it lies in no other medium.
     ior: f32,
@@ -95,6 +95,8 @@ struct Medium {
     priority: u32,
     /// How the index of the medium depends on the wavelength.
     dispersion: Option<Dispersion>,
+    /// How the absorption coefficient does, where it has a spectrum of its own.
+    by_wavelength: Option<SpectralCurve>,
 }
 
 impl Medium {
@@ -154,7 +156,7 @@ impl Media {
         let mut media: Vec<Medium> = Vec::new();
         let mut of_material = Vec::with_capacity(desc.materials.len());
         for (i, (material, body)) in desc.materials.iter().zip(bodies).enumerate() {
-            let Some(Body { ior, exterior_ior, medium: given, dispersion }) = body else {
+            let Some(Body { ior, exterior_ior, medium: given, dispersion, absorption: spectrum }) = body else {
                 of_material.push(0);
                 continue;
             };
@@ -165,7 +167,8 @@ impl Media {
                 return fail(message.to_owned());
             }
             let MediumDesc { absorption, priority } = given;
-            let medium = Medium { ior, exterior_ior, absorption, priority, dispersion };
+            let by_wavelength = spectrum.map(|it| it.curve(&material.path)).transpose()?;
+            let medium = Medium { ior, exterior_ior, absorption, priority, dispersion, by_wavelength };
             let place = media.iter().position(|other| *other == medium).unwrap_or_else(|| {
                 media.push(medium);
                 media.len() - 1
@@ -330,12 +333,17 @@ impl Scene {
     #[inline(never)]
     pub(crate) fn transmittance<C: Spectrum>(&self, media: PathMedia, length: f32, wavelengths: &C::Wavelengths) -> C {
         let filling = self.media.as_deref().and_then(|all| all.medium(all.filling(media)));
-        let Some(Medium { absorption, .. }) = filling else { return C::ONE };
+        let Some(Medium { absorption, by_wavelength, .. }) = filling else { return C::ONE };
         if *absorption == Rgb::ZERO {
             return C::ONE;
         }
         // The product of no absorption and an infinite length is no number.
         let of = |coefficient: f32| if coefficient > 0.0 { (-coefficient * length).exp() } else { 1.0 };
+        if C::HAS_WAVELENGTHS
+            && let Some(curve) = by_wavelength
+        {
+            return C::at_wavelengths(wavelengths, |nanometres| of(curve.at(nanometres.unwrap_or(0.0))));
+        }
         // The coefficient becomes a spectrum and not the share: shares of parts of a way then multiply to that of the whole.
         C::from_reflectance(*absorption, wavelengths).map(of)
     }

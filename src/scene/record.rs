@@ -7,8 +7,8 @@ use super::mesh::MeshObject;
 use super::textured_emission::binding_of;
 use crate::desc::{
     AreaWebDesc, DistantLightDesc, EnvironmentDesc, EnvironmentMapDesc, LightDistribution, MeshDesc, MeshStep,
-    MotionDesc, PointLightDesc, PortalDesc, SceneDesc, ShapeDesc, SkyDesc, SurfaceDesc, TextureChannel, TextureDesc,
-    TextureKey,
+    MotionDesc, PointLightDesc, PortalDesc, SceneDesc, ShapeDesc, SkyDesc, SpectrumDesc, SurfaceDesc, TextureChannel,
+    TextureDesc, TextureKey,
 };
 use crate::math::{Bounds, DAffine3, DVec3};
 use crate::spectrum::Rgb;
@@ -217,7 +217,9 @@ pub(super) struct AppearanceKey {
     webs: Vec<(usize, Arc<AreaWebDesc>)>,
     /// The textures that vary emissions, of each surface; empty where there are none.
     emission_textures: Vec<Option<(Arc<TextureDesc>, TextureChannel)>>,
-    lights: Vec<(DVec3, Rgb, LightDistribution)>,
+    /// Spectra of emissions, by the numbers of surfaces.
+    spectra: Vec<(usize, SpectrumDesc)>,
+    lights: Vec<(DVec3, Rgb, LightDistribution, Option<SpectrumDesc>)>,
     /// Motions of lights, and the shutter's interval where there are any.
     light_motions: (BTreeMap<usize, Arc<MotionDesc>>, Option<[f64; 2]>),
     environment: Option<EnvironmentKey>,
@@ -233,6 +235,7 @@ struct EnvironmentKey {
     sky: SkyDesc,
     visible: bool,
     portals: Vec<PortalDesc>,
+    spectrum: Option<SpectrumDesc>,
 }
 
 impl EnvironmentKey {
@@ -243,7 +246,14 @@ impl EnvironmentKey {
             SkyDesc::Map(map) => SkyDesc::Map(EnvironmentMapDesc { texture: 0, ..*map }),
             other => other.clone(),
         };
-        Self { radiance, texture, sky, visible, portals: environment.portals.clone() }
+        Self {
+            radiance,
+            texture,
+            sky,
+            visible,
+            portals: environment.portals.clone(),
+            spectrum: environment.spectrum.clone(),
+        }
     }
 }
 
@@ -255,12 +265,16 @@ impl AppearanceKey {
             Some((Arc::clone(desc.textures.get(binding.texture)?), binding.channel))
         };
         let web = |(number, surface): (usize, &SurfaceDesc)| Some((number, Arc::clone(surface.web.as_ref()?)));
-        let light = |light: &PointLightDesc| (light.position, light.intensity, light.distribution.clone());
+        let light = |light: &PointLightDesc| {
+            (light.position, light.intensity, light.distribution.clone(), light.spectrum.clone())
+        };
+        let spectrum = |(number, surface): (usize, &SurfaceDesc)| Some((number, surface.spectrum.clone()?));
         Self {
             emission_textures: if is_textured { desc.surfaces.iter().map(texture_of).collect() } else { Vec::new() },
             materials: desc.surfaces.iter().map(|surface| surface.material as u32).collect(),
             emissions: desc.surfaces.iter().map(|surface| (surface.emission, surface.emits_both)).collect(),
             webs: desc.surfaces.iter().enumerate().filter_map(web).collect(),
+            spectra: desc.surfaces.iter().enumerate().filter_map(spectrum).collect(),
             lights: desc.lights.iter().map(light).collect(),
             light_motions: (
                 desc.motion.lights.clone(),
@@ -279,6 +293,7 @@ impl AppearanceKey {
     pub(super) fn has_same_emitters(&self, other: &Self) -> bool {
         self.emissions == other.emissions
             && self.webs == other.webs
+            && self.spectra == other.spectra
             && self.emission_textures == other.emission_textures
             && self.lights == other.lights
             && self.light_motions == other.light_motions
@@ -293,6 +308,6 @@ impl AppearanceKey {
 
     /// The number of point lights that give no light.
     pub(super) fn dark_lights(&self) -> usize {
-        self.lights.iter().filter(|(_, intensity, _)| *intensity == Rgb::ZERO).count()
+        self.lights.iter().filter(|(_, intensity, ..)| *intensity == Rgb::ZERO).count()
     }
 }

@@ -1,5 +1,6 @@
 //! Scene-linear colour: three channels with Rec. 709 primaries, and their luminance; spectra, and the colours that they have.
 
+mod curve;
 mod illuminant;
 mod observer;
 mod rgb;
@@ -7,6 +8,7 @@ mod sampled;
 mod transported;
 mod upsample;
 
+pub use curve::{Beyond, SpectralCurve};
 pub use illuminant::{DAYLIGHT_TEMPERATURES, Illuminant, black_body};
 pub use observer::{REC_709_FROM_XYZ, VISIBLE, XYZ_FROM_REC_709, color_matching, rec_709, tristimulus};
 pub use rgb::Rgb;

@@ -204,6 +204,12 @@ impl Spectrum for SampledSpectrum {
     }
 
     #[inline]
+    fn zip(self, other: Self, f: impl Fn(f32, f32) -> f32) -> Self {
+        let (a, b) = (self.to_array(), other.to_array());
+        Self::from_array(std::array::from_fn(|i| f(a[i], b[i])))
+    }
+
+    #[inline]
     fn sample_wavelengths(u: impl FnOnce() -> f32) -> SampledWavelengths {
         let (u, sensor) = (u(), &*SENSOR);
         let mut wavelengths = SampledWavelengths::default();

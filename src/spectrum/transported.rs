@@ -66,6 +66,10 @@ pub trait Spectrum:
     #[must_use]
     fn map(self, f: impl Fn(f32) -> f32) -> Self;
 
+    /// A function of each channel of two values.
+    #[must_use]
+    fn zip(self, other: Self, f: impl Fn(f32, f32) -> f32) -> Self;
+
     /// Chooses the wavelengths of a path. `u` gives a number uniform in [0, 1); RGB does not ask for one.
     fn sample_wavelengths(u: impl FnOnce() -> f32) -> Self::Wavelengths;
 
@@ -139,6 +143,12 @@ impl Spectrum for Rgb {
     #[inline(always)]
     fn map(self, f: impl Fn(f32) -> f32) -> Self {
         Self::from_array(self.to_array().map(f))
+    }
+
+    #[inline(always)]
+    fn zip(self, other: Self, f: impl Fn(f32, f32) -> f32) -> Self {
+        let (a, b) = (self.to_array(), other.to_array());
+        Self::from_array(std::array::from_fn(|i| f(a[i], b[i])))
     }
 
     #[inline(always)]

@@ -354,6 +354,15 @@ void contents() {
     CHECK(room.surface_web(panel).c0[2] == 1 && !room.surface_web(panel).text);
     room.clear_surface_web(panel);
     CHECK(status_of([&] { room.surface_web(panel); }) == ETD_INVALID_ARGUMENT);
+    etd_spectrum glow = ETD_SPECTRUM_INIT;
+    glow.kind = ETD_SPECTRUM_BLACK_BODY;
+    CHECK(status_of([&] { room.set_spectrum(ETD_SPECTRUM_OF_SURFACE, panel, glow); }) == ETD_INVALID_SCENE);
+    glow.temperature = 2700;
+    room.set_spectrum(ETD_SPECTRUM_OF_SURFACE, panel, glow);
+    CHECK(room.spectrum(ETD_SPECTRUM_OF_SURFACE, panel).temperature == 2700);
+    CHECK(room.surface(panel).emission[0] > 2 * room.surface(panel).emission[2]);
+    room.clear_spectrum(ETD_SPECTRUM_OF_SURFACE, panel);
+    CHECK(status_of([&] { room.spectrum(ETD_SPECTRUM_OF_SURFACE, panel); }) == ETD_INVALID_ARGUMENT);
     CHECK(scene.environment()[0] == 0);
     scene.set_environment({0.25F, 0.5F, 1});
     CHECK(scene.environment()[1] == 0.5F);

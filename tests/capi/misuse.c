@@ -776,6 +776,32 @@ static etd_status n_scene_get_surface_web(void) {
     CHECK_OK(etd_scene_remove_surface(scene, number));
     return status;
 }
+/* The samples are of a light that gives some; the surface is one of a dark lamp, which stays. */
+static etd_status n_scene_set_spectrum(void) {
+    static const double samples[4] = {400, 1, 700, 1};
+    etd_spectrum spectrum = ETD_SPECTRUM_INIT;
+    etd_surface_web web;
+    const uint32_t number = web_surface(&web);
+    spectrum.samples = samples;
+    spectrum.sample_count = 2;
+    const etd_status status =
+        CALL(etd_scene_set_spectrum(SCENE(0), ETD_SPECTRUM_OF_SURFACE, number, AT(1, &spectrum)));
+    CHECK_OK(etd_scene_remove_surface(scene, number));
+    return status;
+}
+static etd_status n_scene_get_spectrum(void) {
+    static const double samples[4] = {400, 1, 700, 1};
+    etd_spectrum spectrum = ETD_SPECTRUM_INIT;
+    etd_surface_web web;
+    const uint32_t number = web_surface(&web);
+    spectrum.samples = samples;
+    spectrum.sample_count = 2;
+    CHECK_OK(etd_scene_set_spectrum(scene, ETD_SPECTRUM_OF_SURFACE, number, &spectrum));
+    etd_spectrum *out = AT(1, sized_output(sizeof *out));
+    const etd_status status = CALL(etd_scene_get_spectrum(SCENE(0), ETD_SPECTRUM_OF_SURFACE, number, out));
+    CHECK_OK(etd_scene_remove_surface(scene, number));
+    return status;
+}
 static etd_status n_scene_get_web_light(void) {
     etd_web_light *web = AT(1, sized_output(sizeof *web));
     return CALL(etd_scene_get_web_light(SCENE(0), 2, web));
@@ -863,6 +889,8 @@ static const struct {
     {"etd_scene_set_emits_both", n_scene_set_emits_both, 1, 1, 1},
     {"etd_scene_set_surface_web", n_scene_set_surface_web, 2, 1, 1},
     {"etd_scene_get_surface_web", n_scene_get_surface_web, 2, 3, 1},
+    {"etd_scene_set_spectrum", n_scene_set_spectrum, 2, 1, 1},
+    {"etd_scene_get_spectrum", n_scene_get_spectrum, 2, 3, 1},
     {"etd_scene_get_surface", n_scene_get_surface, 2, 3, 1},
     {"etd_scene_find_material", n_scene_find_material, 3, 7, 1},
     {"etd_scene_find_mesh", n_scene_find_mesh, 3, 7, 1},

@@ -161,6 +161,16 @@ static etd_status s_set_surface_web(void) {
 static etd_status s_get_surface_web(void) {
     return etd_scene_get_surface_web(scene, web_triangle(), (etd_surface_web *)(void *)&structure);
 }
+static etd_status s_set_spectrum(void) {
+    ((etd_spectrum *)(void *)&structure)->kind = ETD_SPECTRUM_ILLUMINANT;
+    return etd_scene_set_spectrum(scene, ETD_SPECTRUM_OF_SURFACE, web_triangle(), (etd_spectrum *)(void *)&structure);
+}
+static etd_status s_get_spectrum(void) {
+    etd_spectrum spectrum = ETD_SPECTRUM_INIT;
+    spectrum.kind = ETD_SPECTRUM_ILLUMINANT;
+    CHECK_OK(etd_scene_set_spectrum(scene, ETD_SPECTRUM_OF_SURFACE, web_triangle(), &spectrum));
+    return etd_scene_get_spectrum(scene, ETD_SPECTRUM_OF_SURFACE, web_triangle(), (etd_spectrum *)(void *)&structure);
+}
 static etd_status s_set_surface(void) {
     uint32_t number;
     ((etd_surface *)(void *)&structure)->material = 0;
@@ -211,6 +221,7 @@ static void i_shutter(void) { INIT(etd_shutter, ETD_SHUTTER_INIT); }
 static void i_spot(void) { INIT(etd_spot_light, ETD_SPOT_LIGHT_INIT); }
 static void i_web(void) { INIT(etd_web_light, ETD_WEB_LIGHT_INIT); }
 static void i_surface_web(void) { INIT(etd_surface_web, ETD_SURFACE_WEB_INIT); }
+static void i_spectrum(void) { INIT(etd_spectrum, ETD_SPECTRUM_INIT); }
 static void i_surface(void) { INIT(etd_surface, ETD_SURFACE_INIT); }
 static void i_render_options(void) { INIT(etd_render_options, ETD_RENDER_OPTIONS_INIT); }
 static void i_progress(void) { INIT(etd_progress, ETD_PROGRESS_INIT); }
@@ -270,6 +281,8 @@ static void pass_wrong_sizes(void) {
         {"etd_web_light out", i_web, s_get_web, sizeof(etd_web_light), offsetof(etd_web_light, factor), 1},
         {"etd_surface_web in", i_surface_web, s_set_surface_web, sizeof(etd_surface_web),
          offsetof(etd_surface_web, tilt_deg), 0},
+        {"etd_spectrum in", i_spectrum, s_set_spectrum, sizeof(etd_spectrum), offsetof(etd_spectrum, sample_count), 0},
+        {"etd_spectrum out", i_spectrum, s_get_spectrum, sizeof(etd_spectrum), offsetof(etd_spectrum, sample_count), 1},
         {"etd_surface_web out", i_surface_web, s_get_surface_web, sizeof(etd_surface_web),
          offsetof(etd_surface_web, tilt_deg), 1},
         {"etd_surface in", i_surface, s_set_surface, sizeof(etd_surface), offsetof(etd_surface, transform), 0},
@@ -845,6 +858,71 @@ static void pass_surface_webs(void) {
     CHECK_OK(etd_scene_remove_surface(scene, round));
 }
 
+/* Spectra that are none, of things that do not exist, and of parameters that a material does not have. */
+static void pass_spectra(void) {
+    static const double good[4] = {400, 0.25, 700, 0.75};
+    static const double falling[4] = {700, 0.25, 400, 0.75};
+    static const double bright[4] = {400, 0.25, 700, 1.75};
+    static const double unseen[4] = {1000, 1, 2000, 1};
+    static const double corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    static const unsigned targets[] = {ETD_SPECTRUM_OF_SURFACE, ETD_SPECTRUM_OF_POINT_LIGHT,
+                                       ETD_SPECTRUM_OF_DISTANT_LIGHT, ETD_SPECTRUM_OF_COLOR};
+    etd_surface surface = matt();
+    etd_spectrum spectrum = ETD_SPECTRUM_INIT;
+    etd_spectrum out = ETD_SPECTRUM_INIT;
+    etd_surface known = ETD_SURFACE_INIT;
+    uint32_t flat = 0;
+    size_t i;
+    CHECK_OK(etd_scene_add_triangle(scene, corners, &surface, &flat));
+    CHECK_STATUS(etd_scene_set_spectrum(scene, ETD_SPECTRUM_OF_SURFACE, flat, &spectrum), ETD_INVALID_SCENE); /* no samples */
+    spectrum.sample_count = 2;
+    CHECK_STATUS(etd_scene_set_spectrum(scene, ETD_SPECTRUM_OF_SURFACE, flat, &spectrum), ETD_INVALID_ARGUMENT);
+    spectrum.samples = good;
+    spectrum.sample_count = (size_t)1 << 60;
+    CHECK_STATUS(etd_scene_set_spectrum(scene, ETD_SPECTRUM_OF_SURFACE, flat, &spectrum), ETD_INVALID_ARGUMENT);
+    spectrum.sample_count = 2;
+    for (i = 0; i < sizeof targets / sizeof *targets; ++i) {
+        CHECK_STATUS(etd_scene_set_spectrum(scene, targets[i], 1000000, &spectrum), ETD_INVALID_ARGUMENT);
+        CHECK_STATUS(etd_scene_get_spectrum(scene, targets[i], 1000000, &out), ETD_INVALID_ARGUMENT);
+    }
+    CHECK_STATUS(etd_scene_set_spectrum(scene, 11, 0, &spectrum), ETD_INVALID_ARGUMENT);
+    CHECK_STATUS(etd_scene_set_spectrum(scene, ETD_SPECTRUM_OF_ENVIRONMENT, 1, &spectrum), ETD_INVALID_ARGUMENT);
+    CHECK_STATUS(etd_scene_set_spectrum(scene, ETD_SPECTRUM_OF_ETA, 0, &spectrum), ETD_INVALID_SCENE);
+    CHECK_STATUS(etd_scene_get_spectrum(scene, ETD_SPECTRUM_OF_COLOR, 0, &out), ETD_INVALID_ARGUMENT);
+    spectrum.samples = falling;
+    CHECK_STATUS(etd_scene_set_spectrum(scene, ETD_SPECTRUM_OF_COLOR, 0, &spectrum), ETD_INVALID_SCENE);
+    spectrum.samples = bright;
+    CHECK_STATUS(etd_scene_set_spectrum(scene, ETD_SPECTRUM_OF_COLOR, 0, &spectrum), ETD_INVALID_SCENE);
+    spectrum.samples = unseen;
+    CHECK_STATUS(etd_scene_set_spectrum(scene, ETD_SPECTRUM_OF_SURFACE, flat, &spectrum), ETD_INVALID_SCENE);
+    spectrum.samples = good;
+    CHECK_OK(etd_scene_set_spectrum(scene, ETD_SPECTRUM_OF_COLOR, 0, &spectrum));
+    CHECK_OK(etd_scene_get_spectrum(scene, ETD_SPECTRUM_OF_COLOR, 0, &out));
+    CHECK(out.kind == ETD_SPECTRUM_SAMPLES && out.sample_count == 2 && out.samples == NULL);
+    CHECK_OK(etd_scene_set_spectrum(scene, ETD_SPECTRUM_OF_COLOR, 0, NULL));
+    CHECK_STATUS(etd_scene_get_spectrum(scene, ETD_SPECTRUM_OF_COLOR, 0, &out), ETD_INVALID_ARGUMENT);
+    spectrum.kind = ETD_SPECTRUM_BLACK_BODY;
+    spectrum.temperature = 3;
+    CHECK_STATUS(etd_scene_set_spectrum(scene, ETD_SPECTRUM_OF_SURFACE, flat, &spectrum), ETD_INVALID_SCENE);
+    spectrum.temperature = (double)NAN;
+    CHECK_STATUS(etd_scene_set_spectrum(scene, ETD_SPECTRUM_OF_SURFACE, flat, &spectrum), ETD_INVALID_SCENE);
+    spectrum.kind = ETD_SPECTRUM_DAYLIGHT;
+    CHECK_STATUS(etd_scene_set_spectrum(scene, ETD_SPECTRUM_OF_SURFACE, flat, &spectrum), ETD_INVALID_SCENE);
+    spectrum.temperature = 5000;
+    CHECK_OK(etd_scene_set_spectrum(scene, ETD_SPECTRUM_OF_SURFACE, flat, &spectrum));
+    CHECK_OK(etd_scene_get_spectrum(scene, ETD_SPECTRUM_OF_SURFACE, flat, &out));
+    CHECK(out.kind == ETD_SPECTRUM_DAYLIGHT && out.temperature == 5000);
+    spectrum.kind = ETD_SPECTRUM_ILLUMINANT;
+    spectrum.illuminant = 6;
+    CHECK_STATUS(etd_scene_set_spectrum(scene, ETD_SPECTRUM_OF_SURFACE, flat, &spectrum), ETD_INVALID_ARGUMENT);
+    spectrum.illuminant = ETD_ILLUMINANT_D65;
+    CHECK_OK(etd_scene_set_spectrum(scene, ETD_SPECTRUM_OF_SURFACE, flat, &spectrum));
+    CHECK_OK(etd_scene_get_surface(scene, flat, &known));
+    CHECK(known.emission[0] > 0.99F && known.emission[0] < 1.01F && known.emission[2] > 0.99F && known.emission[2] < 1.01F);
+    CHECK_OK(etd_scene_remove_surface(scene, flat));
+    CHECK_STATUS(etd_scene_set_spectrum(scene, ETD_SPECTRUM_OF_SURFACE, flat, &spectrum), ETD_INVALID_ARGUMENT);
+}
+
 static void pass_materials(void) {
     static const struct {
         const char *name;
@@ -1224,6 +1302,7 @@ void misuse_values(void) {
     pass_wrong_enumerations();
     pass_numbers();
     pass_surface_webs();
+    pass_spectra();
     pass_materials();
     pass_indices();
     ask_for_errors();

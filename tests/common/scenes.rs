@@ -38,6 +38,7 @@ pub fn add(desc: &mut SceneDesc, number: usize, shape: ShapeDesc, bsdf: BsdfDesc
         emission,
         emits_both: false,
         web: None,
+        spectrum: None,
         hidden: false,
     });
 }

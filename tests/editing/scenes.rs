@@ -116,6 +116,7 @@ pub fn surface(desc: &SceneDesc, shape: ShapeDesc, transform: DAffine3, emission
         emission,
         emits_both: false,
         web: None,
+        spectrum: None,
         hidden: false,
     }
 }

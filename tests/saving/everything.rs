@@ -10,8 +10,8 @@ use etendue::desc::{
     LensDesc, LightDistribution, METALS, Masking, MaterialDesc, MediumDesc, MeshDesc, MeshStep, MicrofacetsDesc,
     MotionDesc, MotionKey, Panorama, PanoramaDesc, PhotonDesc, PhotonSharing, PointLightDesc, PortalDesc,
     PrincipledDesc, Projection, RadiosityDesc, RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc, SceneDesc,
-    ShapeDesc, ShutterDesc, SkyDesc, SpotDesc, SurfaceLook, TextureBinding, TextureChannel, TextureDesc, TextureKey,
-    TextureMapping, TextureSource,
+    ShapeDesc, ShutterDesc, SkyDesc, SpectrumDesc, SpectrumKey, SpectrumTarget, SpotDesc, SurfaceLook, TextureBinding,
+    TextureChannel, TextureDesc, TextureKey, TextureMapping, TextureSource,
 };
 use etendue::emitter::SkyFormula;
 use etendue::math::{Bounds, DAffine3, DQuat, DVec3};
@@ -77,6 +77,14 @@ fn add(scene: &mut SceneDesc, name: &str, bsdf: BsdfDesc) -> usize {
     scene.add_material(name, bsdf, None).unwrap()
 }
 
+fn glass_of(ior: f32) -> BsdfDesc {
+    BsdfDesc::Dielectric { ior, exterior_ior: 1.0 }
+}
+
+fn metal_of(conductor: ConductorDesc) -> BsdfDesc {
+    BsdfDesc::Conductor { conductor, microfacets: MicrofacetsDesc::default() }
+}
+
 fn materials(scene: &mut SceneDesc) {
     let albedo = rgb(1.0, 2.0, 0.1);
     add(scene, "Lambert \"of\" Étendue\\n", BsdfDesc::Lambert { albedo });
@@ -105,6 +113,31 @@ fn materials(scene: &mut SceneDesc) {
         let material =
             MaterialDesc { name: name.into(), bsdf, dispersion: Some(dispersion), ..MaterialDesc::default() };
         scene.add_material_desc(material).unwrap();
+    }
+    let ramp: SpectrumDesc = SpectrumDesc::samples("", [[0.1, 1.0 / 3.0], [500.0, 0.1], [1e4, 1.0]]).unwrap();
+    let with_spectra = |name: &str, bsdf, keys: &[SpectrumKey]| MaterialDesc {
+        name: name.into(),
+        bsdf,
+        spectra: keys.iter().map(|key| (*key, ramp.clone())).collect(),
+        ..MaterialDesc::default()
+    };
+    let chips = [
+        with_spectra("chip", BsdfDesc::Eon { albedo, roughness: third(1.0) }, &[SpectrumKey::Color]),
+        with_spectra("shaded glass", glass_of(1.5), &[SpectrumKey::Absorption]),
+        with_spectra("alloy", metal_of(METALS[2].conductor()), &[SpectrumKey::Eta, SpectrumKey::K]),
+        with_spectra("half an alloy", metal_of(METALS[2].conductor()), &[SpectrumKey::K]),
+        with_spectra(
+            "foil",
+            metal_of(ConductorDesc::Reflectance { normal: albedo, edge: albedo }),
+            &[SpectrumKey::Reflectance],
+        ),
+        MaterialDesc {
+            spectra: vec![(SpectrumKey::Emission, SpectrumDesc::BlackBody(8000.0 / 3.0))],
+            ..with_spectra("glow", BsdfDesc::Black, &[])
+        },
+    ];
+    for chip in chips {
+        scene.add_material_desc(chip).unwrap();
     }
     let leaf = BsdfDesc::DiffuseTransmission { reflectance: rgb(0.3, 0.2, 0.1), transmittance: rgb(1.0, 2.0, 0.4) };
     add(scene, "leaf", leaf);
@@ -481,6 +514,11 @@ pub fn scene() -> SceneDesc {
         scene.add_light_desc(PointLightDesc { distribution, ..even }).unwrap();
     }
     motions(&mut scene);
+    let spectra =
+        [SpectrumDesc::Daylight(17_000.0 / 3.0), SpectrumDesc::by_name("E").unwrap(), SpectrumDesc::BlackBody(1e6)];
+    for (number, spectrum) in spectra.into_iter().enumerate() {
+        scene.set_spectrum(SpectrumTarget::PointLight(number), Some(spectrum)).unwrap();
+    }
     for (angle_deg, visible) in [(0.0, true), (0.1 + 0.2, false)] {
         let towards = DVec3::new(1e-30, 0.7, -1.0 / 3.0);
         let light = DistantLightDesc { angle_deg, visible, ..DistantLightDesc::parallel(towards, rgb(0.1, 0.0, 3e7)) };
@@ -499,6 +537,11 @@ pub fn scene() -> SceneDesc {
     };
     let sky = EnvironmentDesc { sky: SkyDesc::Map(map), visible: false, ..EnvironmentDesc::even(rgb(1.0, 2.0, 3.0)) };
     scene.set_environment_desc(Some(sky)).unwrap();
+    let shining = scene.surfaces.iter().position(|surface| surface.emission.is_some()).unwrap();
+    for of in [SpectrumTarget::Environment, SpectrumTarget::DistantLight(1), SpectrumTarget::Surface(shining)] {
+        let lines = SpectrumDesc::samples("", [[450.0, 0.0], [451.0 + 1.0 / 3.0, 7e-5], [453.0, 0.1]]).unwrap();
+        scene.set_spectrum(of, Some(lines)).unwrap();
+    }
     scene.set_backplate(Some(BackplateDesc { radiance: rgb(0.1, 7.0, 1.0), texture: Some(1) })).unwrap();
     scene
 }

@@ -4,8 +4,8 @@ use std::fmt::Debug;
 use std::sync::Arc;
 
 use etendue::desc::{
-    BsdfDesc, DistantLightDesc, MaterialDesc, MeshDesc, PointLightDesc, SceneDesc, ShapeDesc, SurfaceDesc, TextureDesc,
-    TextureMapping, TextureSource,
+    BsdfDesc, DistantLightDesc, MaterialDesc, MeshDesc, PointLightDesc, SceneDesc, ShapeDesc, SpectrumDesc,
+    SurfaceDesc, TextureDesc, TextureMapping, TextureSource,
 };
 use etendue::texture::ColorSpace;
 
@@ -26,11 +26,15 @@ pub fn saved(scene: &SceneDesc) -> SceneDesc {
 pub fn assert_same(before: &SceneDesc, after: &SceneDesc, what: &str) {
     assert_eq!(text(&before.camera), text(&after.camera), "{what}");
     assert_eq!(text(&before.render), text(&after.render), "{what}");
-    let light = |it: &PointLightDesc| text(&(it.position, it.intensity, &it.distribution));
+    let light = |it: &PointLightDesc| text(&(it.position, it.intensity, &it.distribution, spectrum(&it.spectrum)));
     each(&before.lights, &after.lights, light, what);
-    let distant = |it: &DistantLightDesc| text(&(it.towards, it.irradiance, it.angle_deg, it.visible));
+    let distant =
+        |it: &DistantLightDesc| text(&(it.towards, it.irradiance, it.angle_deg, it.visible, spectrum(&it.spectrum)));
     each(&before.distant_lights, &after.distant_lights, distant, what);
-    let sky = |scene: &SceneDesc| text(&scene.environment.as_ref().map(|it| (it.radiance, it.sky.clone(), it.visible)));
+    let sky = |scene: &SceneDesc| {
+        let it = scene.environment.as_ref();
+        text(&it.map(|it| (it.radiance, it.sky.clone(), it.visible, spectrum(&it.spectrum))))
+    };
     assert_eq!(sky(before), sky(after), "{what}");
     assert_eq!(text(&before.backplate), text(&after.backplate), "{what}");
     each(&before.textures, &after.textures, |it| texture(it), what);
@@ -70,6 +74,14 @@ fn motions(scene: &SceneDesc) -> String {
     let meshes: Vec<_> =
         motion.meshes.iter().map(|(i, it)| (number(&|i| scene.meshes[i].triangle_count() == 0, *i), it)).collect();
     text(&(&motion.shutter, &motion.camera, surfaces, &motion.lights, meshes))
+}
+
+/// A spectrum with all of its samples.
+fn spectrum(spectrum: &Option<SpectrumDesc>) -> String {
+    match spectrum {
+        Some(SpectrumDesc::Samples(samples)) => text(samples),
+        other => text(other),
+    }
 }
 
 /// The text of a value, which tells all bits of its numbers but those of NaN.
@@ -117,7 +129,8 @@ fn shared(textures: &[Arc<TextureDesc>]) -> Vec<Option<usize>> {
 }
 
 fn material(material: &MaterialDesc) -> String {
-    let MaterialDesc { bsdf, survival, medium, opacity, emission, .. } = material;
+    let MaterialDesc { bsdf, survival, medium, dispersion, opacity, emission, .. } = material;
+    let spectra: Vec<_> = material.spectra.iter().map(|(key, it)| (key, spectrum(&Some(it.clone())))).collect();
     let mut bsdf = *bsdf;
     match &mut bsdf {
         // Glass without any roughness is smooth glass, which has no facets.
@@ -132,7 +145,7 @@ fn material(material: &MaterialDesc) -> String {
     }
     let mut textures = material.textures.clone();
     textures.sort_by_key(|binding| binding.key.name());
-    text(&(bsdf, survival, medium.unwrap_or_default(), opacity, emission, textures))
+    text(&(bsdf, survival, medium.unwrap_or_default(), dispersion, opacity, emission, spectra, textures))
 }
 
 /// All numbers of a mesh as bits.
@@ -166,5 +179,6 @@ fn surface(surface: &SurfaceDesc, scene: &SceneDesc) -> String {
         let c0 = (transform.matrix3 * it.c0).normalize().to_array().map(|x| (x * 1e12).round() + 0.0);
         (it.web.text(), it.tilt_deg, c0)
     });
-    text(&(shape, material, emission, emits_both, placed, web))
+    let spectrum = spectrum(&surface.spectrum.clone().filter(|_| emission.is_some()));
+    text(&(shape, material, emission, emits_both, placed, web, spectrum))
 }

@@ -53,6 +53,7 @@ mod query;
 mod render;
 mod scene;
 mod sky;
+mod spectrum;
 mod texture;
 
 pub use bake::*;
@@ -66,6 +67,7 @@ pub use query::*;
 pub use render::*;
 pub use scene::*;
 pub use sky::*;
+pub use spectrum::*;
 pub use texture::*;
 
 /// Types of numbers that C passes for enumerations. In the header, they have the names of the enumerations.
@@ -138,6 +140,12 @@ mod numbers {
     pub type EtdSkyProjection = u32;
     /// The enumeration of this name, as a number.
     pub type EtdQuantity = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdSpectrumKind = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdIlluminant = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdSpectrumTarget = u32;
 }
 pub use numbers::*;
 

@@ -6,7 +6,7 @@ use super::super::builder::Builder;
 use super::super::json::join;
 use super::super::numbers::{self, degrees, single, unless_color};
 use super::super::{BsdfDesc, validate};
-use super::{Kind, SharedKeys, color, keys, material, tags};
+use super::{Kind, SharedKeys, color, keys, material, required, tags};
 use crate::spectrum::Rgb;
 use crate::{Error, Result};
 
@@ -30,8 +30,8 @@ material!(
     /// Scatters light in all directions.
     #[serde(rename_all = "camelCase")]
     Diffuse, Diffuse, {
-    /// Albedo, [0, 1] per channel.
-    color: [f64; 3],
+    /// Albedo, [0, 1] per channel. Required, or a spectrum of it.
+    color: Option<[f64; 3]>,
     /// `lambertian` (default), `oren-nayar`, `oren-nayar-qualitative` or `eon`.
     #[serde(default, deserialize_with = "crate::desc::json::name")]
     brdf: Option<Brdf>,
@@ -49,15 +49,15 @@ material!(
     DiffuseTransmission, DiffuseTransmission, {
     /// The share of the light that is reflected, [0, 1] per channel. Default [0, 0, 0].
     color: Option<[f64; 3]>,
-    /// The share of the light that is transmitted, [0, 1] per channel; with `color` 1 at most.
-    transmittance: [f64; 3],
+    /// The share of the light that is transmitted, [0, 1] per channel; with `color` 1 at most. Required, or a spectrum of it.
+    transmittance: Option<[f64; 3]>,
 });
 
 material!(
     /// Fibres that stand up from a surface that absorbs light.
     Sheen, Sheen, {
-    /// Colour of the fibres, [0, 1] per channel.
-    color: [f64; 3],
+    /// Colour of the fibres, [0, 1] per channel. Required, or a spectrum of it.
+    color: Option<[f64; 3]>,
     /// Perceptual roughness, above 0 and up to 1. Default 0.5.
     roughness: Option<f64>,
 });
@@ -68,7 +68,7 @@ impl Diffuse {
         let is_by_angle = matches!(model, Some((Brdf::OrenNayarQualitative, _)));
         let number = |by_angle: bool| model.filter(|_| is_by_angle == by_angle).map(|(_, number)| number);
         keys!(Self, tags::Diffuse::Diffuse, shared, {
-            color: numbers::color(albedo),
+            color: Some(numbers::color(albedo)),
             brdf: model.map(|(brdf, _)| brdf),
             roughness: number(false).map(single),
             sigma_deg: number(true).map(degrees),
@@ -82,7 +82,7 @@ impl DiffuseTransmission {
     pub(super) fn of(shared: SharedKeys, reflectance: Rgb, transmittance: Rgb) -> Self {
         keys!(Self, tags::DiffuseTransmission::DiffuseTransmission, shared, {
             color: unless_color(reflectance, Rgb::ZERO),
-            transmittance: numbers::color(transmittance),
+            transmittance: Some(numbers::color(transmittance)),
         })
     }
 }
@@ -91,7 +91,7 @@ impl Sheen {
     /// The keys of fibres.
     pub(super) fn of(shared: SharedKeys, color: Rgb, roughness: f32) -> Self {
         keys!(Self, tags::Sheen::Sheen, shared, {
-            color: numbers::color(color),
+            color: Some(numbers::color(color)),
             roughness: Some(single(roughness)),
         })
     }
@@ -100,7 +100,7 @@ impl Sheen {
 impl Kind for Diffuse {
     fn bsdf(&self, path: &str, _: &Builder<'_>) -> Result<BsdfDesc> {
         let at = |key: &str| join(path, key);
-        let albedo = validate::reflectance(&at("color"), self.color)?;
+        let albedo = required(path, "color", self.color, self.spectra.as_ref())?;
         let brdf = self.brdf.unwrap_or_default();
         // A parameter of another model is an error, because the author was mistaken about which model is used.
         let misplaced = match brdf {
@@ -141,14 +141,14 @@ impl Kind for Diffuse {
 impl Kind for DiffuseTransmission {
     fn bsdf(&self, path: &str, _: &Builder<'_>) -> Result<BsdfDesc> {
         let reflectance = color(&join(path, "color"), self.color, 0.0)?;
-        let transmittance = validate::reflectance(&join(path, "transmittance"), self.transmittance)?;
+        let transmittance = required(path, "transmittance", self.transmittance, self.spectra.as_ref())?;
         Ok(BsdfDesc::DiffuseTransmission { reflectance, transmittance })
     }
 }
 
 impl Kind for Sheen {
     fn bsdf(&self, path: &str, _: &Builder<'_>) -> Result<BsdfDesc> {
-        let color = validate::reflectance(&join(path, "color"), self.color)?;
+        let color = required(path, "color", self.color, self.spectra.as_ref())?;
         let roughness = validate::number(&join(path, "roughness"), self.roughness.unwrap_or(0.5))? as f32;
         Ok(BsdfDesc::Sheen { color, roughness })
     }

@@ -35,6 +35,7 @@ material!(
 });
 
 /// What a metal reflects: a metal's name, an index, or colours.
+#[derive(Clone, Copy)]
 struct MetalKeys<'a> {
     metal: &'a Option<String>,
     eta: Option<[f64; 3]>,
@@ -108,12 +109,28 @@ impl Kind for Conductor {
             reflectance: self.reflectance,
             edge_tint: self.edge_tint,
         };
-        Ok(BsdfDesc::Conductor { conductor: metal(keys, path)?, microfacets: facets.read(path)? })
+        let by_spectrum = |key: &str| self.spectra.as_ref().is_some_and(|spectra| spectra.contains_key(key));
+        let by_index = [by_spectrum("eta"), by_spectrum("k")];
+        let conductor = match (by_index, &keys) {
+            ([false, false], _) => metal(keys, path, by_spectrum("reflectance"))?,
+            // What is by the wavelength is set later.
+            (_, MetalKeys { metal: Some(_), .. }) => metal(keys, path, false)?,
+            (_, MetalKeys { eta, k, .. }) => metal(
+                MetalKeys {
+                    eta: eta.or(by_index[0].then_some([1.0; 3])),
+                    k: k.or(by_index[1].then_some([1.0; 3])),
+                    ..keys
+                },
+                path,
+                false,
+            )?,
+        };
+        Ok(BsdfDesc::Conductor { conductor, microfacets: facets.read(path)? })
     }
 }
 
-/// What the facets of a metal reflect, from one of three groups of keys.
-fn metal(keys: MetalKeys<'_>, path: &str) -> Result<ConductorDesc> {
+/// What the facets of a metal reflect, from one of three groups of keys. `by_spectrum`: whether spectra say it later.
+fn metal(keys: MetalKeys<'_>, path: &str, by_spectrum: bool) -> Result<ConductorDesc> {
     let at = |key: &str| join(path, key);
     let vector = |key: &str, value: [f64; 3]| validate::vector(&at(key), value).map(Rgb::from_f64);
     match keys {
@@ -130,6 +147,9 @@ fn metal(keys: MetalKeys<'_>, path: &str) -> Result<ConductorDesc> {
         MetalKeys { metal: None, eta: None, k: None, reflectance: Some(normal), edge_tint } => {
             let normal = validate::reflectance(&at("reflectance"), normal)?;
             Ok(ConductorDesc::Reflectance { normal, edge: color(&at("edgeTint"), edge_tint, 1.0)? })
+        }
+        MetalKeys { metal: None, eta: None, k: None, reflectance: None, edge_tint } if by_spectrum => {
+            Ok(ConductorDesc::Reflectance { normal: Rgb::ONE, edge: color(&at("edgeTint"), edge_tint, 1.0)? })
         }
         _ => {
             let message = "expected one of: `metal`, `eta` with `k`, or `reflectance` with or without `edgeTint`";

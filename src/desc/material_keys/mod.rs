@@ -18,11 +18,11 @@ use super::json::{self, join};
 use super::numbers::{self, single, unless};
 use super::save::{Names, raw};
 use super::{
-    BsdfDesc, Dispersion, MaterialDesc, MediumDesc, MicrofacetsDesc, material_check, photometric, texture_check,
-    texture_keys, validate,
+    BsdfDesc, Dispersion, MaterialDesc, MediumDesc, MicrofacetsDesc, material_check, photometric, spectrum_keys,
+    texture_check, texture_keys, validate,
 };
-use crate::Result;
 use crate::spectrum::Rgb;
+use crate::{Error, Result};
 
 pub(super) use combined::{Black, Mix, TwoSided};
 pub(super) use dielectric::{CoatedDiffuse, Refractive, ThinRefractive};
@@ -82,6 +82,10 @@ macro_rules! material {
             luminance: Option<f64>,
             /// With `luminance`: colour temperature in kelvin, in [1000, 15000]: that of a Planckian radiator. Default: white.
             temperature: Option<f64>,
+            /// Spectra of parameters of this material, by the names of the parameters: `color`, `transmittance`, `reflectance`, `eta`, `k`,
+            /// `absorption` and `emission`. The value of the parameter is then that of its spectrum.
+            #[cfg_attr(feature = "schema", schemars(with = "Option<std::collections::BTreeMap<String, crate::desc::spectrum_keys::Spectrum>>"))]
+            spectra: Option<std::collections::BTreeMap<String, Box<serde_json::value::RawValue>>>,
             /// Textures that vary parameters of this material, by the names of the parameters: the name of a texture, or an object. The
             /// value of the parameter is then a factor on that of the texture.
             #[cfg_attr(feature = "schema", schemars(with = "Option<std::collections::BTreeMap<String, crate::desc::texture_keys::BindingOrName>>"))]
@@ -97,6 +101,7 @@ macro_rules! material {
                     emission: self.emission,
                     luminance: self.luminance,
                     temperature: self.temperature,
+                    spectra: self.spectra,
                     textures: self.textures,
                 }
             }
@@ -127,6 +132,7 @@ macro_rules! keys {
             emission: $shared.emission,
             luminance: $shared.luminance,
             temperature: $shared.temperature,
+            spectra: $shared.spectra,
             textures: $shared.textures,
             $($field: $value,)*
         }
@@ -170,6 +176,7 @@ struct SharedKeys {
     emission: Option<[f64; 3]>,
     luminance: Option<f64>,
     temperature: Option<f64>,
+    spectra: Option<BTreeMap<String, Box<RawValue>>>,
     textures: Option<BTreeMap<String, Box<RawValue>>>,
 }
 
@@ -240,12 +247,14 @@ fn add<K: Kind>(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result
     let dispersion = keys.dispersion(path)?;
     let bsdf = keys.bsdf(path, builder)?;
     let survival = keys.survival(path)?;
-    let SharedKeys { name, opacity, emission, luminance, temperature, textures } = keys.shared();
+    let SharedKeys { name, opacity, emission, luminance, temperature, spectra, textures } = keys.shared();
+    let spectra = spectrum_keys::of_material(spectra.as_ref(), path, builder)?;
     let textures = texture_keys::bindings(textures.as_ref(), path, builder)?;
     let opacity = validate::within(&join(path, "opacity"), opacity.unwrap_or(1.0), 0.0, 1.0)?;
-    let emission = photometric::emission(path, emission, luminance, temperature)?;
+    let emission = photometric::emission(path, emission, luminance, temperature, None)?;
+    let path = path.to_owned();
     let mut material =
-        MaterialDesc { name, path: path.to_owned(), bsdf, survival, medium, dispersion, opacity, emission, textures };
+        MaterialDesc { name, path, bsdf, survival, medium, dispersion, opacity, emission, spectra, textures };
     material_check::check(&mut material, &builder.scene.materials)?;
     texture_check::bindings(&material, &builder.scene.textures, &builder.scene.materials)?;
     builder.scene.put_material(material).map(|_| ())
@@ -259,6 +268,7 @@ pub(super) fn write(number: usize, material: &MaterialDesc, names: &Names) -> Re
         emission: material.emission.map(numbers::color),
         luminance: None,
         temperature: None,
+        spectra: spectrum_keys::write_of_material(&material.spectra)?,
         textures: texture_keys::write_bindings(&material.textures, names)?,
     };
     let name_of = |part: usize| names.materials[part].clone();
@@ -303,4 +313,18 @@ pub(super) fn write(number: usize, material: &MaterialDesc, names: &Names) -> Re
 /// A colour with a default for all channels.
 fn color(path: &str, value: Option<[f64; 3]>, default: f64) -> Result<Rgb> {
     validate::reflectance(path, value.unwrap_or([default; 3]))
+}
+
+/// A colour that a material has to have, unless it has a spectrum of it, which says it later.
+fn required(
+    path: &str,
+    key: &str,
+    value: Option<[f64; 3]>,
+    spectra: Option<&BTreeMap<String, Box<RawValue>>>,
+) -> Result<Rgb> {
+    match value {
+        Some(value) => validate::reflectance(&join(path, key), value),
+        None if spectra.is_some_and(|spectra| spectra.contains_key(key)) => Ok(Rgb::ONE),
+        None => Err(Error::invalid(path, format!("missing key `{key}`"))),
+    }
 }

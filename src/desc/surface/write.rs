@@ -11,7 +11,7 @@ use crate::desc::json::join;
 use crate::desc::numbers::{self, shortest, unless};
 use crate::desc::save::{Names, raw};
 use crate::desc::transform::{self, same_bits, unless_zero};
-use crate::desc::{MeshStep, MotionDesc, ShapeDesc, SurfaceDesc, motion_keys};
+use crate::desc::{MeshStep, MotionDesc, ShapeDesc, SurfaceDesc, motion_keys, spectrum_keys};
 use crate::math::{DAffine3, DVec3};
 use crate::{Error, Result};
 
@@ -20,6 +20,7 @@ struct Look {
     material: Option<String>,
     transform: Option<Box<RawValue>>,
     emission: Option<[f64; 3]>,
+    spectrum: Option<Box<RawValue>>,
     web: Option<AreaWeb>,
     emits: Option<Emits>,
     motion: Option<Vec<motion_keys::Key>>,
@@ -35,6 +36,7 @@ macro_rules! text {
             emission: $look.emission,
             luminance: None,
             temperature: None,
+            spectrum: $look.spectrum.as_deref(),
             web: $look.web,
             emits: $look.emits,
             motion: $look.motion,
@@ -66,6 +68,12 @@ pub(in crate::desc) fn write(
             material: Some(names.materials[surface.material].clone()),
             transform: transform::write(&placed)?,
             emission: surface.emission.filter(|_| web.is_none()).map(numbers::color),
+            spectrum: surface
+                .spectrum
+                .as_ref()
+                .filter(|_| surface.emission.is_some())
+                .map(spectrum_keys::write)
+                .transpose()?,
             web,
             emits: emits_both.then_some(Emits::Both),
             motion: motion.map(motion_keys::write_motion),

@@ -213,7 +213,9 @@ impl<C: Spectrum> PhotonTracer<C> {
             shot.tally.paths += 1;
             let (u, d) = (sampler.next_4d(), sampler.next_4d());
             if let Some((ray, power)) = self.emission.begin(&self.scene, u, d, self.share) {
-                let power = C::from_emission(power, &self.wavelengths);
+                let emitters = self.scene.emitters();
+                let emitter = if emitters.asks_index::<C>() { self.emission.chosen(u, d) as u32 } else { 0 };
+                let power = emitters.in_spectrum::<C>(emitter, power, &self.wavelengths);
                 shot.tally.emitted += self.tallied(power);
                 self.path(ray, power, &mut sampler, &mut tracer, &mut shot);
             }

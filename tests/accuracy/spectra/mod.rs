@@ -1,5 +1,7 @@
 //! Paths that carry wavelengths: colours as spectra, and light that is dispersed.
 
+mod own;
+
 use crate::common::scenes::{Job, box_inside, camera, render_scene, scene};
 use crate::record::{Case, Entry, Within};
 use crate::transport::{MESH, ball, glass, grey, parallelogram, pick, plane};
@@ -25,6 +27,14 @@ pub fn cases() -> Vec<Entry> {
         Entry { id: "W7", title: "dispersed photons against single wavelengths", run: photons },
         Entry { id: "W8", title: "indices and angles of rainbows", run: rainbow },
         Entry { id: "W9", title: "absorption over parts of a way", run: absorption },
+        Entry {
+            id: "W12",
+            title: "spectra of lights and walls by quadrature over wavelengths",
+            run: own::between_walls,
+        },
+        Entry { id: "W13", title: "lamps of all kinds with a spectrum", run: own::lamps },
+        Entry { id: "W14", title: "models with spectra against single wavelengths", run: own::models },
+        Entry { id: "W15", title: "absorption by a spectrum", run: own::absorption },
     ]
 }
 

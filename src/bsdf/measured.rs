@@ -1,0 +1,157 @@
+//! Models whose colours have spectra of their own.
+
+use std::sync::Arc;
+
+use super::lobes::{Lobes, TransportMode};
+use super::metal_spectrum::MetalCurves;
+use super::model::{BsdfSample, Model, SpecularLobes};
+use super::{Bsdf, Index, Lambert, Mirror};
+use crate::desc::{BsdfDesc, Dispersion, MaterialDesc, SpectrumKey};
+use crate::math::Vec3;
+use crate::spectrum::{Rgb, SpectralCurve, Spectrum};
+
+/// What of a material depends on the wavelength other than by its colours.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ByWavelength {
+    /// How the index of refraction does.
+    dispersion: Option<Dispersion>,
+    /// The colours that have spectra of their own.
+    colors: Option<Arc<[(SpectrumKey, SpectralCurve)]>>,
+    /// The index of a metal.
+    metal: Option<MetalCurves>,
+}
+
+impl ByWavelength {
+    /// That of a checked material.
+    pub fn new(material: &MaterialDesc) -> Self {
+        let metal = match &material.bsdf {
+            BsdfDesc::Conductor { conductor, .. } => MetalCurves::new(conductor, &material.spectra),
+            _ => None,
+        };
+        let is_color = |key: SpectrumKey| matches!(key, SpectrumKey::Color | SpectrumKey::Transmittance);
+        let of_colors = material.spectra.iter().filter(|(key, _)| is_color(*key));
+        let colors: Arc<[_]> =
+            of_colors.filter_map(|(key, spectrum)| Some((*key, spectrum.curve(key.name()).ok()?))).collect();
+        Self { dispersion: material.dispersion, colors: (!colors.is_empty()).then_some(colors), metal }
+    }
+}
+
+impl Bsdf {
+    /// The model that was made from a description, of a material that depends on the wavelength like this. `around`: as for
+    /// [`Self::within`].
+    pub(crate) fn by_wavelength(self, desc: &BsdfDesc, by: &ByWavelength, around: Option<f32>) -> Self {
+        let ByWavelength { dispersion, colors, metal } = by;
+        if let (Some(dispersion), Some([ior, exterior_ior])) = (dispersion, desc.interior()) {
+            let outer = Index { ior: around.unwrap_or(exterior_ior), dispersion: None };
+            return self.dispersing(Index { ior, dispersion: Some(*dispersion) }, outer);
+        }
+        match (self, metal, colors) {
+            (Self::Conductor(it), Some(metal), _) => Self::Conductor(it.measured(metal.clone())),
+            (Self::RoughConductor(it), Some(metal), _) => Self::RoughConductor(it.measured(metal.clone())),
+            (model, _, Some(colors)) => {
+                Self::Measured(Measured { model: Box::new(model), colors: Some(Arc::clone(colors)) })
+            }
+            (model, ..) => model,
+        }
+    }
+}
+
+/// A model of which some colours have spectra of their own. In three channels it is the model with the colours of these spectra.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measured<C: Spectrum = Rgb> {
+    model: Box<Bsdf<C>>,
+    colors: Option<Arc<[(SpectrumKey, SpectralCurve)]>>,
+}
+
+impl Measured {
+    pub(super) fn in_spectrum<C: Spectrum>(&self, wavelengths: &C::Wavelengths) -> Measured<C> {
+        if !C::HAS_WAVELENGTHS {
+            return Measured { model: Box::new(self.model.in_spectrum(wavelengths)), colors: self.colors.clone() };
+        }
+        let mut model = self.model.in_spectrum::<C>(wavelengths);
+        for (key, curve) in self.colors.iter().flat_map(|colors| colors.iter()) {
+            let color = C::at_wavelengths(wavelengths, |nanometres| curve.at(nanometres.unwrap_or(0.0)));
+            model = model.with_color(*key, color);
+        }
+        Measured { model: Box::new(model), colors: None }
+    }
+}
+
+impl<C: Spectrum> Bsdf<C> {
+    /// The same model with another colour.
+    fn with_color(self, key: SpectrumKey, color: C) -> Self {
+        match (self, key) {
+            (Self::Lambert(_), SpectrumKey::Color) => Self::Lambert(Lambert::new(color)),
+            (Self::OrenNayar(it), SpectrumKey::Color) => Self::OrenNayar(it.with_albedo(color)),
+            (Self::OrenNayarQualitative(it), SpectrumKey::Color) => Self::OrenNayarQualitative(it.with_albedo(color)),
+            (Self::Eon(it), SpectrumKey::Color) => Self::Eon(it.with_albedo(color)),
+            (Self::Mirror(_), SpectrumKey::Color) => Self::Mirror(Mirror::new(color)),
+            (Self::Sheen(it), SpectrumKey::Color) => Self::Sheen(it.with_color(color)),
+            (Self::DiffuseTransmission(it), SpectrumKey::Color) => {
+                Self::DiffuseTransmission(it.with_reflectance(color))
+            }
+            (Self::DiffuseTransmission(it), SpectrumKey::Transmittance) => {
+                Self::DiffuseTransmission(it.with_transmittance(color))
+            }
+            (same, _) => same,
+        }
+    }
+}
+
+impl<C: Spectrum> Model<C> for Measured<C> {
+    fn lobes(&self) -> Lobes {
+        self.model.lobes()
+    }
+
+    fn albedo(&self) -> C {
+        self.model.albedo()
+    }
+
+    fn diffuse_albedo(&self) -> C {
+        self.model.diffuse_albedo()
+    }
+
+    fn narrowest(&self) -> f32 {
+        self.model.narrowest()
+    }
+
+    fn is_anisotropic(&self) -> bool {
+        self.model.is_anisotropic()
+    }
+
+    fn share(&self, wo: Vec3) -> f32 {
+        self.model.share(wo)
+    }
+
+    fn f(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> C {
+        self.model.f(wo, wi, mode)
+    }
+
+    fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+        self.model.pdf(wo, wi)
+    }
+
+    fn f_pdf(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> (C, f32) {
+        self.model.f_pdf(wo, wi, mode)
+    }
+
+    fn sample(&self, wo: Vec3, u: [f32; 3], mode: TransportMode) -> Option<BsdfSample<C>> {
+        self.model.sample(wo, u, mode)
+    }
+
+    fn constant_f(&self) -> Option<C> {
+        self.model.constant_f()
+    }
+
+    fn mean_f(&self, wo: Vec3) -> Option<C> {
+        self.model.mean_f(wo)
+    }
+
+    fn is_even(&self) -> bool {
+        self.model.is_even()
+    }
+
+    fn specular_lobes(&self, wo: Vec3, mode: TransportMode) -> SpecularLobes<C> {
+        self.model.specular_lobes(wo, mode)
+    }
+}

@@ -1,0 +1,137 @@
+//! Materials whose parameters have spectra of their own.
+
+use super::json::join;
+use super::{BsdfDesc, ConductorDesc, MaterialDesc, MediumDesc, SpectrumKey, TextureKey, validate};
+use crate::math::DVec3;
+use crate::spectrum::{Rgb, SpectralCurve};
+use crate::{Error, Result};
+
+/// Checks the spectra of a material, and sets the parameters of its model that have some to what they are in three channels.
+pub(super) fn apply(material: &mut MaterialDesc) -> Result<()> {
+    let base = join(&material.path, "spectra");
+    let spectra = std::mem::take(&mut material.spectra);
+    let has = |key: SpectrumKey| spectra.iter().any(|(known, _)| *known == key);
+    for (number, (key, spectrum)) in spectra.iter().enumerate() {
+        let path = join(&base, key.name());
+        if spectra[..number].iter().any(|(before, _)| before == key) {
+            return Err(Error::invalid(path, "the parameter has another spectrum, expected one"));
+        }
+        spectrum.check(&path)?;
+        let share = || {
+            let curve = spectrum.curve(&path)?;
+            if curve.most() > 1.0 {
+                return Err(Error::invalid(
+                    &path,
+                    format!("{} is out of range, expected values from 0 to 1", curve.most()),
+                ));
+            }
+            Ok(Rgb::from_f64(curve.reflected_color()).max(Rgb::ZERO).min(Rgb::ONE))
+        };
+        // An index at the wavelengths of the channels, as those of known metals are stated.
+        let at_channels = |least: f32| {
+            let curve = spectrum.curve(&path)?;
+            if curve.values().iter().any(|value| *value < least) {
+                return Err(Error::invalid(&path, "a value is 0, expected values above 0"));
+            }
+            Ok(Rgb::from_array([650.0, 550.0, 450.0].map(|nanometres| curve.at(nanometres))))
+        };
+        match (key, &mut material.bsdf) {
+            (
+                SpectrumKey::Color,
+                BsdfDesc::Lambert { albedo: color }
+                | BsdfDesc::OrenNayar { albedo: color, .. }
+                | BsdfDesc::OrenNayarQualitative { albedo: color, .. }
+                | BsdfDesc::Eon { albedo: color, .. }
+                | BsdfDesc::Mirror { reflectance: color }
+                | BsdfDesc::Sheen { color, .. }
+                | BsdfDesc::DiffuseTransmission { reflectance: color, .. },
+            )
+            | (SpectrumKey::Transmittance, BsdfDesc::DiffuseTransmission { transmittance: color, .. }) => {
+                *color = share()?
+            }
+            (SpectrumKey::Reflectance, BsdfDesc::Conductor { conductor, .. })
+                if !has(SpectrumKey::Eta) && !has(SpectrumKey::K) =>
+            {
+                let edge = match *conductor {
+                    ConductorDesc::Reflectance { edge, .. } => edge,
+                    ConductorDesc::Index { .. } => Rgb::ONE,
+                };
+                *conductor = ConductorDesc::Reflectance { normal: share()?, edge };
+            }
+            (SpectrumKey::Eta, BsdfDesc::Conductor { conductor, .. }) if !has(SpectrumKey::Reflectance) => {
+                let k = match *conductor {
+                    ConductorDesc::Index { k, .. } => k,
+                    ConductorDesc::Reflectance { .. } => Rgb::ONE,
+                };
+                *conductor = ConductorDesc::Index { eta: at_channels(f32::MIN_POSITIVE)?, k };
+            }
+            (SpectrumKey::K, BsdfDesc::Conductor { conductor, .. }) if !has(SpectrumKey::Reflectance) => {
+                let eta = match *conductor {
+                    ConductorDesc::Index { eta, .. } => eta,
+                    ConductorDesc::Reflectance { .. } => Rgb::ONE,
+                };
+                *conductor = ConductorDesc::Index { eta, k: at_channels(0.0)? };
+            }
+            (SpectrumKey::Absorption, BsdfDesc::Dielectric { .. } | BsdfDesc::RoughDielectric { .. }) => {
+                let curve = spectrum.curve(&path)?;
+                // What is left of white after a unit of length has the colour that the channels are to leave too.
+                let left =
+                    SpectralCurve::of(|nanometres| (-f64::from(curve.at(nanometres as f32))).exp()).reflected_color();
+                let medium = material.medium.unwrap_or_default();
+                let coefficient = |left: f64| -left.clamp(1e-30, 1.0).ln();
+                let absorption = Rgb::from_f64(DVec3::from_array(left.to_array().map(coefficient)));
+                material.medium = Some(MediumDesc { absorption, ..medium });
+            }
+            (SpectrumKey::Emission, _) => {
+                let stated = material.emission.map(Rgb::to_f64);
+                let emission = spectrum.light(&path)?.dress(stated);
+                material.emission = Some(validate::emission(&path, emission, 1.0)?);
+            }
+            _ => {
+                let message = match key {
+                    SpectrumKey::Eta | SpectrumKey::K => {
+                        "only a conductor has an index by the wavelength, without a spectrum of `reflectance`"
+                    }
+                    SpectrumKey::Reflectance => {
+                        "only a conductor has a reflectance by the wavelength, without spectra of `eta` and `k`"
+                    }
+                    SpectrumKey::Absorption => "only a refractive material has an absorption by the wavelength",
+                    SpectrumKey::Transmittance => {
+                        "only a sheet that transmits diffusely has a transmittance by the wavelength"
+                    }
+                    SpectrumKey::Color | SpectrumKey::Emission => {
+                        "only a diffuse or reflective material, a sheet that transmits diffusely and fibres have a colour by the wavelength"
+                    }
+                };
+                return Err(Error::invalid(path, message));
+            }
+        }
+        let textured = match key {
+            SpectrumKey::Color => Some(TextureKey::Color),
+            SpectrumKey::Transmittance => Some(TextureKey::Transmittance),
+            SpectrumKey::Reflectance => Some(TextureKey::Reflectance),
+            _ => None,
+        };
+        if let Some(texture) = textured.filter(|key| material.textured(*key).is_some()) {
+            let message = format!("a texture varies `{}`, expected either a texture or a spectrum", texture.name());
+            return Err(Error::invalid(path, message));
+        }
+    }
+    if let BsdfDesc::DiffuseTransmission { reflectance, transmittance } = material.bsdf {
+        let share = |key: SpectrumKey, color: Rgb| match spectra.iter().find(|(known, _)| *known == key) {
+            Some((_, spectrum)) => spectrum.curve(&base),
+            None => Ok(SpectralCurve::of(|_| f64::from(color.max_element()))),
+        };
+        let shares = [share(SpectrumKey::Color, reflectance)?, share(SpectrumKey::Transmittance, transmittance)?];
+        let sums = shares[0].values().iter().zip(shares[1].values()).map(|(r, t)| r + t);
+        let most = sums.fold(0.0_f32, f32::max);
+        if most > 1.0 + 1e-6 {
+            let message = format!(
+                "what is reflected and what is transmitted sum to {most} at some wavelength, expected 1 at most"
+            );
+            return Err(Error::invalid(base, message));
+        }
+    }
+    material.spectra = spectra;
+    Ok(())
+}
