@@ -377,6 +377,34 @@ fn spectra_are_read_in_all_forms() {
 }
 
 #[test]
+fn a_picture_has_a_white() {
+    let of = |text: &str| {
+        let text = format!("{{\"etendue\": 1, \"camera\": {{}}, \"render\": {{\"whiteBalance\": {text}}}}}");
+        desc::parse(&text, "".as_ref(), None)
+    };
+    for (text, [x, y]) in [
+        (r#""D50""#, [0.345_67, 0.358_51]),
+        (r#""E""#, [0.333_31, 0.333_29]),
+        ("2000", [0.5267, 0.4133]),
+        ("[0.25, 0.5]", [0.25, 0.5]),
+    ] {
+        let white = of(text).unwrap().render.white_balance.unwrap();
+        assert!((white[0] - x).abs() < 3e-4 && (white[1] - y).abs() < 3e-4, "{text}: {white:?}");
+    }
+    for (text, message) in [
+        (r#""D56""#, "no illuminant `D56`"),
+        ("500", "500 is out of range"),
+        ("[0.9, 0.5]", "no chromaticity of light"),
+        ("[0.3, 0]", "no chromaticity of light"),
+        ("[0.3]", "expected"),
+        (r#"{"blackBody": 3000}"#, "expected"),
+    ] {
+        let error = of(text).unwrap_err().to_string();
+        assert!(error.contains("render.whiteBalance") && error.contains(message), "{text}: {error}");
+    }
+}
+
+#[test]
 fn parameters_of_materials_may_have_spectra() {
     let material = |keys: &str| format!("\"materials\": [{{\"name\": \"m\", {keys}}}]");
     let ramp = r#"[[400, 0.25], [700, 0.75]]"#;

@@ -113,6 +113,10 @@ pub struct RenderArgs {
     #[arg(long, value_name = "on|off", value_enum, num_args = 0..=1, require_equals = true)]
     #[arg(default_missing_value = "on", hide_possible_values = true)]
     pub spectral: Option<Switch>,
+    /// The light under which white surfaces are grey in the picture: A, D50, D55, D65, D75, E, a temperature in kelvin (black bodies
+    /// below 4000, daylight above), or its chromaticity X,Y.
+    #[arg(long, value_name = "LIGHT", value_parser = parse_white)]
+    pub white_balance: Option<White>,
     /// Pixel filter: box, tent, gaussian[:SIGMA], blackman-harris or mitchell[:B,C].
     #[arg(long, value_name = "FILTER", value_parser = parse_filter)]
     pub filter: Option<FilterDesc>,
@@ -653,6 +657,7 @@ impl RenderArgs {
             filter: self.filter.unwrap_or(scene.filter),
             integrator: self.integrator.map_or(scene.integrator, |Integrator(integrator)| integrator),
             spectral: self.spectral.map_or(scene.spectral, |spectral| spectral == Switch::On),
+            white_balance: self.white_balance.map_or(scene.white_balance, |White(white)| Some(white)),
             max_depth: self.max_depth.map_or(scene.max_depth, |depth| depth.0),
             shadow_rays: self.shadow_rays.unwrap_or(scene.shadow_rays),
             roulette: self.roulette.map_or(scene.roulette, |roulette| roulette.0),
@@ -806,6 +811,20 @@ fn parse_link_error(text: &str) -> Result<f64, String> {
 fn parse_exposure(text: &str) -> Result<f32, String> {
     let stops = text.parse::<f32>().ok().filter(|stops| (-64.0..=64.0).contains(stops));
     stops.ok_or_else(|| "expected stops within -64 and 64".to_owned())
+}
+
+/// A chromaticity.
+#[derive(Clone, Copy, Debug)]
+pub struct White([f64; 2]);
+
+fn parse_white(text: &str) -> Result<White, String> {
+    let pair = text.split_once(',').and_then(|(x, y)| Some([x.trim().parse().ok()?, y.trim().parse().ok()?]));
+    let white = pair.or_else(|| RenderDesc::white_of(text));
+    white.filter(|white| etendue::spectrum::white_balance(*white).is_some()).map(White).ok_or_else(|| {
+        "expected A, D50, D55, D65, D75, E, a temperature from 1000 to 25000 kelvin, or a chromaticity such as \
+         0.3127,0.329"
+            .to_owned()
+    })
 }
 
 fn parse_filter(text: &str) -> Result<FilterDesc, String> {

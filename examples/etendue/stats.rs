@@ -50,6 +50,7 @@ struct Settings {
     /// The requested number; null where only time and error end the render.
     spp: Option<u32>,
     spectral: bool,
+    white_balance: Option<[f64; 2]>,
     max_depth: Option<u32>,
     shadow_rays: u32,
     roulette: &'static str,
@@ -103,6 +104,7 @@ impl Stats {
                 filter: format!("{:?}", desc.filter),
                 spp: (desc.samples < MOST_SAMPLES).then_some(desc.samples),
                 spectral: desc.spectral,
+                white_balance: desc.white_balance,
                 max_depth: desc.max_depth,
                 shadow_rays: desc.shadow_rays,
                 roulette: desc.roulette.name(),

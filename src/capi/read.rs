@@ -314,6 +314,7 @@ pub(super) fn render(it: &etd_render_options, film: [u32; 2]) -> Result<RenderDe
             }
         },
         spectral: switch("options.spectral", it.spectral)?.unwrap_or(false),
+        white_balance: (it.white_balance != [0.0; 2]).then_some(it.white_balance),
         max_depth: (it.max_depth != 0).then_some(it.max_depth),
         shadow_rays: it.shadow_rays.max(1),
         roulette: match enumeration("options.roulette", it.roulette)? {
@@ -523,6 +524,7 @@ pub(super) fn render_out(desc: &RenderDesc) -> etd_render_options {
         }
         .number(),
         spectral: switch_out(desc.spectral),
+        white_balance: desc.white_balance.unwrap_or_default(),
         error_measure: ETD_ERROR_RELMSE.number(),
         adaptive: ETD_SWITCH_DEFAULT.number(),
         radiosity_element_size: radiosity.element_size.unwrap_or(0.0),

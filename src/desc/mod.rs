@@ -110,6 +110,7 @@ mod texture_keys;
 mod transform;
 mod validate;
 mod warnings;
+mod white_balance;
 
 pub use area_web::AreaWebDesc;
 pub use backplate::BackplateDesc;
@@ -159,3 +160,4 @@ pub use texture::{
     ImageTextureDesc, Projection, TextureBinding, TextureChannel, TextureDesc, TextureKey, TextureMapping,
     TextureSource,
 };
+pub(crate) use white_balance::chromaticity as white_of;

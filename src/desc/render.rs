@@ -46,6 +46,9 @@ pub struct RenderDesc {
     /// Whether paths carry wavelengths instead of three channels. Colours become smooth spectra, lights those times D65, and glass
     /// with a [`Dispersion`](super::Dispersion) disperses light; the film has the colours that the standard observer sees.
     pub spectral: bool,
+    /// The chromaticity (CIE 1931 x and y) of the light under which white surfaces are grey in the picture; `None` for that of D65. Light
+    /// maps and light at given points have no white.
+    pub white_balance: Option<[f64; 2]>,
     /// Greatest number of surface hits on a path, counting the first visible one; `None` sets no limit.
     pub max_depth: Option<u32>,
     /// Light samples per hit, from 1 to [`MAX_SHADOW_RAYS`].
@@ -72,6 +75,7 @@ impl Default for RenderDesc {
             filter: FilterDesc::Box,
             integrator: IntegratorDesc::Path,
             spectral: false,
+            white_balance: None,
             max_depth: None,
             shadow_rays: 1,
             roulette: RouletteDesc::Own,
@@ -84,6 +88,12 @@ impl Default for RenderDesc {
 }
 
 impl RenderDesc {
+    /// The chromaticity of light for [`Self::white_balance`] by the name of an illuminant of the CIE (A, D50, D55, D65, D75, E) or a
+    /// temperature in kelvin: a black body's from 1000 on, and daylight's from 4000 to 25000. `None` for other texts.
+    pub fn white_of(light: &str) -> Option<[f64; 2]> {
+        super::white_of(light)
+    }
+
     /// Width and height of what is rendered: the crop, or the whole picture.
     pub fn film_size(&self) -> [u32; 2] {
         self.crop.map_or(self.resolution, |crop| [crop.width, crop.height])

@@ -29,6 +29,11 @@ pub(super) struct Render<'a> {
     pub(super) filter: Option<&'a RawValue>,
     /// Whether paths carry wavelengths instead of three channels. Default false.
     pub(super) spectral: Option<bool>,
+    /// The light under which white surfaces are grey in the picture: an illuminant's name, a temperature in kelvin, or its chromaticity x
+    /// and y. Default `D65`.
+    #[serde(borrow)]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<super::white_balance::WhiteBalance>"))]
+    pub(super) white_balance: Option<&'a RawValue>,
     /// Greatest number of surface hits on a path, counting the first visible one; null sets no limit. Default null.
     #[serde(default, deserialize_with = "json::even_null")]
     #[cfg_attr(feature = "schema", schemars(with = "Option<Whole>"))]

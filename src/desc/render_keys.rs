@@ -6,6 +6,7 @@ use super::json::{self, Plain, Whole, join};
 use super::render_block::{Render, Sampler};
 use super::{
     CropDesc, IntegratorDesc, MAX_SHADOW_RAYS, RenderDesc, SamplerDesc, filter, photon_keys, radiosity_keys, validate,
+    white_balance,
 };
 use crate::Result;
 
@@ -39,6 +40,9 @@ pub(super) fn read(raw: &RawValue, path: &str, base: &RenderDesc) -> Result<Rend
         render.filter = filter::read(raw, &at("filter"))?;
     }
     render.spectral = block.spectral.unwrap_or(render.spectral);
+    if let Some(raw) = block.white_balance {
+        render.white_balance = white_balance::read(raw, &at("whiteBalance"))?;
+    }
     if let Some(depth) = block.max_depth {
         render.max_depth = depth.map(|depth| max_depth(&at("maxDepth"), depth)).transpose()?;
     }
@@ -87,6 +91,9 @@ impl RenderDesc {
             max_depth(&at("maxDepth"), whole(depth))?;
         }
         shadow_rays(&at("shadowRays"), whole(self.shadow_rays))?;
+        if let Some(white) = self.white_balance {
+            white_balance::check(&at("whiteBalance"), white)?;
+        }
         photon_keys::check_photons(path, &self.photons)?;
         photon_keys::check_cache(path, &self.cache)?;
         radiosity_keys::check_radiosity(path, &self.radiosity)

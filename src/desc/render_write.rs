@@ -8,7 +8,7 @@ use super::render_block::{Render, Roulette, Sampler, Sharing, Solver, Source};
 use super::save::raw;
 use super::{
     CacheDesc, CacheSource, IntegratorDesc, PhotonDesc, PhotonSharing, RadiosityDesc, RadiositySolver, RenderDesc,
-    RouletteDesc, SamplerDesc, filter, photon_keys,
+    RouletteDesc, SamplerDesc, filter, photon_keys, white_balance,
 };
 use crate::Result;
 
@@ -19,6 +19,7 @@ pub(super) fn write(render: &RenderDesc) -> Result<Box<RawValue>> {
     let filter = filter::write(render.filter)?;
     let integrator = raw(&IntegratorDesc::name(render.integrator))?;
     let kernel = render.photons.kernel.map(photon_keys::write_kernel).transpose()?;
+    let white = white_balance::write(render.white_balance)?;
     let block = Render {
         resolution: Some(render.resolution.map(whole)),
         crop: render.crop.map(|it| Some([it.left, it.top, it.width, it.height].map(whole))),
@@ -32,6 +33,7 @@ pub(super) fn write(render: &RenderDesc) -> Result<Box<RawValue>> {
         }),
         filter: (render.filter != default.filter).then_some(&*filter),
         spectral: flag(render.spectral, default.spectral),
+        white_balance: white.as_deref(),
         max_depth: render.max_depth.map(|depth| Some(whole(depth))),
         shadow_rays: number(render.shadow_rays, default.shadow_rays),
         roulette: (render.roulette == RouletteDesc::File).then_some(Roulette::File),

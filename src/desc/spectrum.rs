@@ -205,6 +205,11 @@ impl SpectrumDesc {
         }
     }
 
+    /// The linear Rec. 709 of light of this spectrum, with negative channels outside of the triangle of the primaries.
+    pub(super) fn seen_color(&self) -> DVec3 {
+        self.light_curve().light_color()
+    }
+
     /// What tells spectra apart: those of one file, and copies of one description, have the same.
     pub(crate) fn identity(&self) -> (u8, u64) {
         match self {

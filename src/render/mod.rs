@@ -42,6 +42,7 @@ use crate::integrator::{Irradiance, Path, Probe, ProbeQuantity, Probes, Sites};
 use crate::integrator::{check_support, check_wavelengths, no_wavelengths};
 use crate::sampling::Filter;
 use crate::scene::Scene;
+use crate::spectrum::white_balance;
 use adaptive::{MIN_PIXELS, PILOT, Stage};
 use maps::Maps;
 use method::Method;
@@ -433,6 +434,7 @@ impl Render {
             scene: self.scene.clone(),
             camera: self.camera,
             has_rim: self.camera.has_rim() && !self.method.is_of_places(),
+            white_balance: self.desc.white_balance.filter(|_| !self.method.is_of_places()).and_then(white_balance),
             moving_camera: self.moving_camera.clone(),
             filter: self.filter.clone(),
             desc: Arc::clone(&self.desc),

@@ -13,7 +13,7 @@ use crate::camera::{Camera, MovingCamera};
 use crate::desc::{RenderDesc, SamplerDesc};
 use crate::film::{Film, PixelPhotonState, PixelSample, REPLICATES, TILE};
 use crate::integrator::{Context, Direct, Irradiance, Path, Probes, Sample, Tracer, Transport, Wave, Whitted};
-use crate::math::Ray;
+use crate::math::{DMat3, Ray};
 use crate::sampling::{AnySampler, Filter, Pattern, PatternSampler, Sampler, SobolSampler};
 use crate::scene::{Backplate, Hit, Scene};
 use crate::spectrum::{Rgb, SampledSpectrum, Spectrum};
@@ -33,6 +33,8 @@ pub(super) struct PassInput {
     pub camera: Camera,
     /// Whether the picture is a circle that the camera sees.
     pub has_rim: bool,
+    /// What colours become by the white balance, where there is one.
+    pub white_balance: Option<DMat3>,
     /// The camera at all times, where it moves.
     pub moving_camera: Option<Arc<MovingCamera>>,
     pub filter: Filter,
@@ -567,7 +569,10 @@ impl Pass {
         let mut tile = self.input.film.tile(tile);
         for (job, Sample { radiance, wavelengths, first, .. }) in batch.jobs.iter().zip(&batch.samples) {
             let is_blind = self.input.has_rim && !self.sees(job);
-            let radiance = if is_blind { Rgb::ZERO } else { radiance.to_rgb(wavelengths) };
+            let mut radiance = if is_blind { Rgb::ZERO } else { radiance.to_rgb(wavelengths) };
+            if let Some(white) = &self.input.white_balance {
+                radiance = Rgb::from_f64(*white * radiance.to_f64());
+            }
             if let Some(replay) = &self.replay {
                 replay.record(radiance, rays);
                 continue;

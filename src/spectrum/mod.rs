@@ -10,7 +10,7 @@ mod upsample;
 
 pub use curve::{Beyond, SpectralCurve};
 pub use illuminant::{DAYLIGHT_TEMPERATURES, Illuminant, black_body};
-pub use observer::{REC_709_FROM_XYZ, VISIBLE, XYZ_FROM_REC_709, color_matching, rec_709, tristimulus};
+pub use observer::{REC_709_FROM_XYZ, VISIBLE, XYZ_FROM_REC_709, color_matching, rec_709, tristimulus, white_balance};
 pub use rgb::Rgb;
 pub use sampled::{SampledSpectrum, SampledWavelengths};
 pub use transported::Spectrum;

@@ -64,6 +64,23 @@ pub static XYZ_FROM_REC_709: LazyLock<DMat3> = LazyLock::new(|| {
 /// The inverse of [`XYZ_FROM_REC_709`].
 pub static REC_709_FROM_XYZ: LazyLock<DMat3> = LazyLock::new(|| XYZ_FROM_REC_709.inverse());
 
+/// The matrix of colours in linear Rec. 709 under light of this chromaticity (CIE 1931 x and y), to what they are under D65: a white surface
+/// under that light becomes grey of the same luminance. `None` for what is no chromaticity of light.
+///
+/// Source: Lam 1985 (the Bradford transform), as von Kries 1902 scales the responses of the cones.
+pub fn white_balance([x, y]: [f64; 2]) -> Option<DMat3> {
+    // Columns of the matrix from tristimulus values to responses.
+    let bradford =
+        DMat3::from_cols_array_2d(&[[0.8951, -0.7502, 0.0389], [0.2664, 1.7135, -0.0685], [-0.1614, 0.0367, 1.0296]]);
+    let is_chromaticity = x >= 0.0 && y > 1e-3 && x + y <= 1.0;
+    let seen = bradford * DVec3::new(x / y, 1.0, (1.0 - x - y) / y);
+    let wanted = bradford * (*XYZ_FROM_REC_709 * DVec3::ONE);
+    (is_chromaticity && seen.min_element() > 1e-3).then(|| {
+        let adapted = bradford.inverse() * DMat3::from_diagonal(wanted / seen) * bradford;
+        *REC_709_FROM_XYZ * adapted * *XYZ_FROM_REC_709
+    })
+}
+
 /// The linear Rec. 709 of a spectrum: [`tristimulus`] by [`REC_709_FROM_XYZ`]. Colours outside of the triangle of the primaries have
 /// negative channels.
 pub fn rec_709(spectrum: impl Fn(f64) -> f64) -> DVec3 {
@@ -87,6 +104,33 @@ mod tests {
         assert_eq!(color_matching(f64::NAN), DVec3::ZERO);
         assert!((color_matching(555.0).y - 1.0).abs() < 1e-6);
         assert!((color_matching(445.5) - (color_matching(445.0) + color_matching(446.0)) / 2.0).length() < 1e-12);
+    }
+
+    #[test]
+    fn balanced_white_is_grey_of_the_same_luminance() {
+        for illuminant in [Illuminant::E, Illuminant::A, Illuminant::D50, Illuminant::D65] {
+            let xyz = tristimulus(|nanometres| illuminant.power(nanometres));
+            let sum = xyz.element_sum();
+            let matrix = white_balance([xyz.x / sum, xyz.y / sum]).unwrap();
+            let white = matrix * (*REC_709_FROM_XYZ * xyz / xyz.y);
+            assert!((white - DVec3::ONE).abs().max_element() < 1e-12, "{illuminant:?}: {white}");
+        }
+        let unchanged = white_balance([0.312_72, 0.329_03]).unwrap() - DMat3::IDENTITY;
+        assert!(unchanged.to_cols_array().iter().all(|it| it.abs() < 1e-4), "{unchanged}");
+        // From A to D65 by the matrix that is published (Lindbloom, Bradford), in tristimulus values.
+        let known = DMat3::from_cols_array_2d(&[
+            [0.844_6965, -0.136_6303, 0.079_8489],
+            [-0.117_9225, 1.104_1226, -0.134_8999],
+            [0.394_8108, 0.129_1718, 3.192_3580],
+        ]);
+        let xyz = DVec3::new(1.0985, 1.0, 0.355_85);
+        let sum = xyz.element_sum();
+        let matrix = white_balance([xyz.x / sum, xyz.y / sum]).unwrap();
+        let found = *XYZ_FROM_REC_709 * matrix * *REC_709_FROM_XYZ - known;
+        assert!(found.to_cols_array().iter().all(|it| it.abs() < 2e-3), "{found}");
+        for none in [[0.3, 0.0], [-0.1, 0.3], [0.6, 0.5], [f64::NAN, 0.3], [0.3, f64::INFINITY]] {
+            assert!(white_balance(none).is_none(), "{none:?}");
+        }
     }
 
     #[test]

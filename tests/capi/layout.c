@@ -360,6 +360,7 @@ static void structures(void) {
     FIELD(etd_render_options, picture_height);
     FIELD(etd_render_options, crop_left);
     FIELD(etd_render_options, crop_top);
+    FIELD(etd_render_options, white_balance);
     STRUCT(etd_camera);
     FIELD(etd_camera, struct_size);
     FIELD(etd_camera, projection);

@@ -144,7 +144,14 @@ static void pass_whole_numbers(void) {
         CHECK_STATUS(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT);
         CHECK(strstr(etd_last_error_message(), "options.spectral") != NULL);
         options.spectral = ETD_SWITCH_OFF;
+        options.white_balance[0] = 0.9;
+        options.white_balance[1] = 0.5;
+        CHECK_STATUS(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT);
+        CHECK(strstr(etd_last_error_message(), "options.white_balance: [0.9, 0.5] is no chromaticity") != NULL);
+        options.white_balance[0] = 0.4476;
+        options.white_balance[1] = 0.4074;
         CHECK_OK(etd_render(scene, film, &options));
+        options.white_balance[0] = options.white_balance[1] = 0;
         options.spectral = ETD_SWITCH_DEFAULT;
         options.roulette = ETD_ROULETTE_FILE;
         CHECK_OK(etd_render(scene, film, &options));

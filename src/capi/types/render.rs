@@ -277,6 +277,9 @@ pub struct etd_render_options {
     pub crop_left: u32,
     /// Row of the picture that is the film's first, from 0 at the top. The film ends inside the picture.
     pub crop_top: u32,
+    /// Chromaticity, x and y of CIE 1931, of the light under which white surfaces are grey in the picture; 0, 0: that of D65. Light maps and
+    /// light at given points have no white.
+    pub white_balance: [f64; 2],
 }
 
 /// A phase of work.
