@@ -4,11 +4,12 @@ use super::lobes::{Lobes, TransportMode};
 use super::local::reflect;
 use super::metal_facet::MetalFacet;
 use super::model::{BsdfSample, Model, SpecularLobes};
+use crate::desc::ThinFilmDesc;
 use crate::math::Vec3;
 use crate::spectrum::{Rgb, Spectrum};
 
 /// A smooth metal: a mirror whose reflectance depends on the angle by Fresnel's equations. It reflects on both sides.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Conductor<C: Spectrum = Rgb> {
     facet: MetalFacet,
     mean: Rgb,
@@ -18,18 +19,23 @@ pub struct Conductor<C: Spectrum = Rgb> {
 impl Conductor {
     /// A metal that reflects by this law.
     pub fn new(facet: MetalFacet) -> Self {
-        Self { facet, mean: facet.mean_reflectance(), wavelengths: () }
+        Self { mean: facet.mean_reflectance(), facet, wavelengths: () }
+    }
+
+    /// As [`super::Bsdf::with_film`].
+    pub(super) fn with_film(self, film: ThinFilmDesc) -> Self {
+        Self::new(self.facet.with_film(film))
     }
 
     #[inline(always)]
     pub(super) fn in_spectrum<C: Spectrum>(&self, wavelengths: &C::Wavelengths) -> Conductor<C> {
-        Conductor { facet: self.facet, mean: self.mean, wavelengths: *wavelengths }
+        Conductor { facet: self.facet.clone(), mean: self.mean, wavelengths: *wavelengths }
     }
 }
 
 impl<C: Spectrum> Conductor<C> {
     fn reflection(&self, wo: Vec3) -> BsdfSample<C> {
-        let weight = C::from_reflectance(self.facet.reflectance(wo.z.abs()), &self.wavelengths);
+        let weight = self.facet.reflectance_in(wo.z.abs(), &self.wavelengths);
         BsdfSample { wi: reflect(wo), weight, pdf: 0.0, lobe: Lobes::SPECULAR_REFLECTION, eta: 1.0 }
     }
 }

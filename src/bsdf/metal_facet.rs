@@ -1,13 +1,16 @@
 //! What a facet of a metal reflects, by colour.
 
+use std::sync::Arc;
+
 use super::fresnel::fresnel_conductors;
 use super::microfacet::average_of;
-use crate::desc::ConductorDesc;
+use super::thin_film::FilmedMetal;
+use crate::desc::{ConductorDesc, ThinFilmDesc};
 use crate::math::Vec3;
-use crate::spectrum::Rgb;
+use crate::spectrum::{Rgb, Spectrum};
 
 /// The reflectance of a smooth metal by the angle of incidence.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum MetalFacet {
     /// Fresnel's equations with a complex index of refraction per channel; an infinite extinction reflects everything.
     Index {
@@ -28,6 +31,8 @@ pub enum MetalFacet {
         /// Factor on the whole, in [0, 1].
         weight: f32,
     },
+    /// Fresnel's equations with a thin film.
+    Filmed(Arc<FilmedMetal>),
 }
 
 impl MetalFacet {
@@ -35,6 +40,14 @@ impl MetalFacet {
     pub fn new(desc: &ConductorDesc) -> Self {
         let index = [0, 1, 2].map(|channel| desc.index(channel).unwrap_or([1.0, f32::INFINITY]));
         Self::Index { eta: index.map(|[eta, _]| eta).into(), k: index.map(|[_, k]| k).into() }
+    }
+
+    /// The same metal with a thin film. One that is described by a fit has none.
+    pub(super) fn with_film(self, film: ThinFilmDesc) -> Self {
+        match self {
+            Self::Index { eta, k } => Self::Filmed(Arc::new(FilmedMetal::new(eta, k, film))),
+            other => other,
+        }
     }
 
     /// A metal with this colour at normal incidence and this tint of the edge, both in [0, 1].
@@ -55,6 +68,17 @@ impl MetalFacet {
                 let power = below.powi(6);
                 (schlick(*f0, cos) - *b * (cos * power)).max(Rgb::ZERO).min(Rgb::ONE) * *weight
             }
+            Self::Filmed(metal) => metal.observed(cos),
+        }
+    }
+
+    /// The reflectance at this cosine in the channels of a path: a smooth spectrum of its colour, or with a film that of each
+    /// wavelength.
+    #[inline]
+    pub fn reflectance_in<C: Spectrum>(&self, cos: f32, wavelengths: &C::Wavelengths) -> C {
+        match self {
+            Self::Filmed(metal) => metal.reflectance(cos, wavelengths),
+            plain => C::from_reflectance(plain.reflectance(cos), wavelengths),
         }
     }
 

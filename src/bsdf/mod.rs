@@ -19,6 +19,7 @@ mod dielectric;
 mod diffuse_transmission;
 mod dispersive;
 mod eon;
+mod filmed_dielectric;
 mod fresnel;
 mod lambert;
 mod layered;
@@ -41,6 +42,7 @@ mod rough_dielectric;
 mod rough_thin_dielectric;
 mod sheen;
 mod thin_dielectric;
+mod thin_film;
 mod tinted;
 
 pub use black::Black;
@@ -50,6 +52,7 @@ pub use dielectric::Dielectric;
 pub use diffuse_transmission::DiffuseTransmission;
 pub use dispersive::{Dispersive, Index};
 pub use eon::Eon;
+pub use filmed_dielectric::FilmedDielectric;
 pub use fresnel::{fresnel_conductor, fresnel_conductors, fresnel_dielectric, fresnel_polarised, refracted_cosine};
 pub use lambert::Lambert;
 pub use layered::{Layer, Layered, LayeredParts};
@@ -69,9 +72,10 @@ pub use rough_dielectric::RoughDielectric;
 pub use rough_thin_dielectric::RoughThinDielectric;
 pub use sheen::Sheen;
 pub use thin_dielectric::{Sheet, ThinDielectric};
+pub use thin_film::FilmedMetal;
 pub use tinted::TintedTransmission;
 
-use crate::desc::{BsdfDesc, Dispersion, Masking, MaterialDesc};
+use crate::desc::{BsdfDesc, Dispersion, Masking, MaterialDesc, ThinFilmDesc};
 use crate::math::Vec3;
 use crate::spectrum::{Rgb, Spectrum};
 
@@ -273,6 +277,8 @@ models! {
     Conductor(Conductor<C>),
     /// Smooth dielectric interface that refracts each wavelength into another direction.
     Dispersive(Dispersive<C>),
+    /// Smooth dielectric interface with a thin film.
+    FilmedDielectric(FilmedDielectric<C>),
     /// Rough metal.
     RoughConductor(RoughConductor<C>),
     /// Rough dielectric interface.
@@ -316,11 +322,32 @@ impl Bsdf {
         let named = |index: usize| match materials.get(index) {
             Some(material) => {
                 let bsdf = Self::within(&material.bsdf, &materials[..index], around);
+                let bsdf = bsdf.with_film(&material.bsdf, material.film, around);
                 bsdf.with_dispersion(&material.bsdf, material.dispersion, around)
             }
             None => Self::Black(Black),
         };
         Self::of_parts(desc, &named, around, false)
+    }
+
+    /// The model that was made from a description, of a material with this film. `around`: as for [`Self::within`].
+    pub(crate) fn with_film(self, desc: &BsdfDesc, film: Option<ThinFilmDesc>, around: Option<f32>) -> Self {
+        let Some(film) = film else { return self };
+        let sides = desc.interior().map(|[ior, exterior_ior]| {
+            let of = |ior| Index { ior, dispersion: None };
+            (of(ior), of(around.unwrap_or(exterior_ior)))
+        });
+        match (self, sides) {
+            (Self::Conductor(metal), _) => Self::Conductor(metal.with_film(film)),
+            (Self::RoughConductor(metal), _) => Self::RoughConductor(metal.with_film(film)),
+            (Self::Dielectric(_), Some((inner, outer))) => {
+                Self::FilmedDielectric(FilmedDielectric::new(inner, outer, film))
+            }
+            (Self::RoughDielectric(rough), Some((inner, outer))) => {
+                Self::RoughDielectric(rough.with_film(inner, outer, film))
+            }
+            (other, _) => other,
+        }
     }
 
     /// The model that was made from a description, of a material with this dispersion. `around`: as for [`Self::within`].
@@ -339,6 +366,7 @@ impl Bsdf {
         match self {
             Self::Dielectric(_) | Self::Dispersive(_) if differs => Self::Dispersive(Dispersive::new(inner, outer)),
             Self::Dispersive(_) => Self::Dielectric(Dielectric::new(inner.ior, outer.ior)),
+            Self::FilmedDielectric(filmed) => Self::FilmedDielectric(filmed.dispersing(inner, outer)),
             Self::RoughDielectric(rough) if differs => Self::RoughDielectric(rough.dispersing(inner, outer)),
             // The parts of a mixture that are bodies have one medium.
             Self::Mix(mix) => Self::Mix(mix.dispersing(inner, outer)),

@@ -7,6 +7,7 @@ use super::local::{outward, same_side};
 use super::metal_facet::MetalFacet;
 use super::microfacet::{FacetShares, Microfacets, MissingEnergy, choose};
 use super::model::{BsdfSample, Model};
+use crate::desc::ThinFilmDesc;
 use crate::math::Vec3;
 use crate::sampling::warps;
 use crate::spectrum::{Rgb, Spectrum};
@@ -17,6 +18,8 @@ use crate::spectrum::{Rgb, Spectrum};
 /// albedo of facets that reflect everything, and F_ms is the colour after several reflections. The form is reciprocal, unlike a
 /// factor by the view alone, so that photons and paths from the camera agree; a metal that reflects everything then has the
 /// albedo 1 in all directions.
+///
+/// With a film, facets reflect what interference leaves ([`MetalFacet::Filmed`]); F_ms is that of its colour in three channels.
 ///
 /// Sources: Torrance and Sparrow 1967, "Theory for Off-Specular Reflection From Roughened Surfaces"; Cook and Torrance 1982, "A
 /// Reflectance Model for Computer Graphics"; Walter et al. 2007; Kulla and Conty 2017, "Revisiting Physically Based Shading at
@@ -48,10 +51,15 @@ impl RoughConductor {
         Self { facet, facets, missing, multiple, mean, wavelengths: () }
     }
 
+    /// As [`super::Bsdf::with_film`].
+    pub(super) fn with_film(self, film: ThinFilmDesc) -> Self {
+        Self::new(self.facet.with_film(film), self.facets, self.missing.is_some())
+    }
+
     #[inline(always)]
     pub(super) fn in_spectrum<C: Spectrum>(&self, wavelengths: &C::Wavelengths) -> RoughConductor<C> {
         RoughConductor {
-            facet: self.facet,
+            facet: self.facet.clone(),
             facets: self.facets,
             missing: self.missing.clone(),
             multiple: self.multiple,
@@ -88,7 +96,7 @@ impl<C: Spectrum> RoughConductor<C> {
     #[inline]
     fn evaluate(&self, wo: Vec3, wi: Vec3, m: Vec3, missing: f32) -> (C, f32) {
         let (once, pdf_once) = self.facets.reflection(wo, wi, m);
-        let once = self.colour(self.facet.reflectance(wo.dot(m))) * once;
+        let once = self.facet.reflectance_in::<C>(wo.dot(m), &self.wavelengths) * once;
         let Some(lost) = &self.missing else { return (once, pdf_once) };
         let back = missing * lost.at(&self.facets, wi) * FRAC_1_PI / lost.mean();
         let several = self.several(missing);

@@ -1,6 +1,6 @@
 //! Descriptions of materials.
 
-use super::{ConductorDesc, Dispersion, MicrofacetsDesc, PrincipledDesc, TextureBinding, TextureKey};
+use super::{ConductorDesc, Dispersion, MicrofacetsDesc, PrincipledDesc, TextureBinding, TextureKey, ThinFilmDesc};
 use crate::spectrum::Rgb;
 
 /// A named material.
@@ -23,6 +23,9 @@ pub struct MaterialDesc {
     /// How the index of refraction inside depends on the wavelength; `None` for one that does not. Only for
     /// [`BsdfDesc::Dielectric`] and [`BsdfDesc::RoughDielectric`].
     pub dispersion: Option<Dispersion>,
+    /// A thin film on the outer side. Only for [`BsdfDesc::Dielectric`], [`BsdfDesc::RoughDielectric`] and [`BsdfDesc::Conductor`]; no
+    /// texture varies the colours of a metal with a film.
+    pub film: Option<ThinFilmDesc>,
     /// The probability with which a ray meets a surface of this material, in [0, 1]; other rays pass straight on. Only materials
     /// that are named by surfaces have an opacity, and parts of other materials have none.
     pub opacity: f32,
@@ -44,6 +47,7 @@ impl Default for MaterialDesc {
             survival: None,
             medium: None,
             dispersion: None,
+            film: None,
             opacity: 1.0,
             emission: None,
             textures: Vec::new(),

@@ -102,6 +102,7 @@ mod surface;
 mod texture;
 mod texture_check;
 mod texture_keys;
+mod thin_film;
 mod transform;
 mod validate;
 mod warnings;
@@ -152,3 +153,4 @@ pub use texture::{
     ImageTextureDesc, Projection, TextureBinding, TextureChannel, TextureDesc, TextureKey, TextureMapping,
     TextureSource,
 };
+pub use thin_film::{THICKEST_FILM, ThinFilmDesc};

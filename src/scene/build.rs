@@ -164,6 +164,7 @@ fn bsdfs(desc: &SceneDesc, used: &[bool]) -> Vec<Bsdf> {
             return Bsdf::Black(Black);
         }
         let bsdf = Bsdf::of_materials(&material.bsdf, &desc.materials[..i]);
+        let bsdf = bsdf.with_film(&material.bsdf, material.film, None);
         bsdf.with_dispersion(&material.bsdf, material.dispersion, None)
     };
     desc.materials.iter().enumerate().map(of).collect()

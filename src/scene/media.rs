@@ -176,7 +176,7 @@ impl Media {
             of_material.push((place + 1) as Number);
         }
         let interface = |(i, material): (usize, &MaterialDesc)| match material.bsdf {
-            BsdfDesc::Dielectric { .. } => Interface::Smooth,
+            BsdfDesc::Dielectric { .. } if material.film.is_none() => Interface::Smooth,
             _ if has_varying_bsdf(desc, i) => Interface::Varying,
             _ => Interface::Made((0..=media.len()).map(|_| OnceLock::new()).collect()),
         };
@@ -304,7 +304,8 @@ impl Scene {
                 let bsdf = around[place].get_or_init(|| {
                     let (before, rest) = all.materials.split_at(material as usize);
                     rest.first().map_or(Bsdf::Black(Black), |own| {
-                        Bsdf::within(&own.bsdf, before, Some(outer.ior)).dispersing(inner, outer)
+                        let bsdf = Bsdf::within(&own.bsdf, before, Some(outer.ior));
+                        bsdf.with_film(&own.bsdf, own.film, Some(outer.ior)).dispersing(inner, outer)
                     })
                 });
                 if bsdf.is_anisotropic() {

@@ -10,7 +10,7 @@ use super::{SurfaceDetail, VaryingMaterial};
 use crate::bsdf::{Black, Bsdf, Lobes, Mix, Model as _, TwoSided};
 use crate::desc::{
     BsdfDesc, Dispersion, MaterialDesc, Parameter, SceneDesc, TextureBinding, TextureChannel, TextureKey,
-    TextureMapping, TextureSource,
+    TextureMapping, TextureSource, ThinFilmDesc,
 };
 use crate::embree::Device;
 use crate::math::{DVec3, Vec3};
@@ -238,8 +238,9 @@ impl Binder<'_> {
         Ok(match material.bsdf {
             desc if !varies(material, before) && !self.widens && !is_mixed_body => {
                 let body = desc.interior().is_some().then_some(desc);
-                let bsdf = Bsdf::of_materials(&desc, before).with_dispersion(&desc, material.dispersion, None);
-                Recipe::Fixed { bsdf: Box::new(bsdf), body, dispersion: material.dispersion }
+                let bsdf = Bsdf::of_materials(&desc, before).with_film(&desc, material.film, None);
+                let bsdf = bsdf.with_dispersion(&desc, material.dispersion, None);
+                Recipe::Fixed { bsdf: Box::new(bsdf), body, dispersion: material.dispersion, film: material.film }
             }
             BsdfDesc::Mix { materials, .. } => {
                 let parts = self.parts(materials, number)?;
@@ -248,8 +249,8 @@ impl Binder<'_> {
             BsdfDesc::TwoSided { front, back } => Recipe::TwoSided(self.parts([front, back], number)?),
             desc => {
                 let (bound, steps) = self.of_model(material)?;
-                let (is_body, dispersion) = (desc.interior().is_some(), material.dispersion);
-                Recipe::Model { desc, bound, steps, is_body, dispersion }
+                let MaterialDesc { dispersion, film, .. } = *material;
+                Recipe::Model { desc, bound, steps, is_body: desc.interior().is_some(), dispersion, film }
             }
         })
     }
@@ -301,9 +302,16 @@ pub(super) fn has_varying_bsdf(desc: &SceneDesc, number: usize) -> bool {
 #[derive(Debug)]
 enum Recipe {
     /// The same everywhere; of a body, the description, since its surface is another one in each medium around it.
-    Fixed { bsdf: Box<Bsdf>, body: Option<BsdfDesc>, dispersion: Option<Dispersion> },
+    Fixed { bsdf: Box<Bsdf>, body: Option<BsdfDesc>, dispersion: Option<Dispersion>, film: Option<ThinFilmDesc> },
     /// A model with its parameters, the steps to which widened facets are rounded, and whether its surfaces bound bodies.
-    Model { desc: BsdfDesc, bound: Box<[Bound]>, steps: f32, is_body: bool, dispersion: Option<Dispersion> },
+    Model {
+        desc: BsdfDesc,
+        bound: Box<[Bound]>,
+        steps: f32,
+        is_body: bool,
+        dispersion: Option<Dispersion>,
+        film: Option<ThinFilmDesc>,
+    },
     /// A mixture.
     Mix { desc: BsdfDesc, parts: Box<[Recipe; 2]>, weight: Box<[Bound]> },
     /// A model for each side.
@@ -312,24 +320,28 @@ enum Recipe {
 
 impl Recipe {
     fn black() -> Self {
-        Self::Fixed { bsdf: Box::new(Bsdf::Black(Black)), body: None, dispersion: None }
+        Self::Fixed { bsdf: Box::new(Bsdf::Black(Black)), body: None, dispersion: None, film: None }
     }
 
     /// The Bsdf where the textures have the texels that `texel` gives, and slopes vary so much where a filter has averaged them.
     /// `around`: the index of refraction around a body, where it is not the one that the description states.
     fn bsdf(&self, texel: &dyn Fn(&Bound) -> Texel, variance: f32, around: Option<f32>) -> Bsdf {
         match self {
-            Self::Fixed { bsdf, body, dispersion } => match (around, body) {
-                (Some(_), Some(desc)) => Bsdf::at_point(desc, around).with_dispersion(desc, *dispersion, around),
+            Self::Fixed { bsdf, body, dispersion, film } => match (around, body) {
+                (Some(_), Some(desc)) => {
+                    let bsdf = Bsdf::at_point(desc, around).with_film(desc, *film, around);
+                    bsdf.with_dispersion(desc, *dispersion, around)
+                }
                 _ => Bsdf::clone(bsdf),
             },
-            Self::Model { desc, bound, steps, is_body, dispersion } => {
+            Self::Model { desc, bound, steps, is_body, dispersion, film } => {
                 let mut desc = applied(desc, bound, texel);
                 if variance > 0.0 {
                     desc.widen(variance, |width| rounded(width, *steps));
                 }
                 let around = around.filter(|_| *is_body);
-                Bsdf::at_point(&desc, around).with_dispersion(&desc, *dispersion, around)
+                let bsdf = Bsdf::at_point(&desc, around).with_film(&desc, *film, around);
+                bsdf.with_dispersion(&desc, *dispersion, around)
             }
             Self::Mix { desc, parts, weight } => {
                 let BsdfDesc::Mix { weight, .. } = applied(desc, weight, texel) else { return Bsdf::Black(Black) };
