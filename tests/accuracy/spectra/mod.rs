@@ -1,5 +1,7 @@
 //! Paths that carry wavelengths: colours as spectra, and light that is dispersed.
 
+mod films;
+
 use crate::common::scenes::{Job, box_inside, camera, render_scene, scene};
 use crate::record::{Case, Entry, Within};
 use crate::transport::{MESH, ball, glass, grey, parallelogram, pick, plane};
@@ -25,6 +27,12 @@ pub fn cases() -> Vec<Entry> {
         Entry { id: "W7", title: "dispersed photons against single wavelengths", run: photons },
         Entry { id: "W8", title: "indices and angles of rainbows", run: rainbow },
         Entry { id: "W9", title: "absorption over parts of a way", run: absorption },
+        Entry {
+            id: "W10",
+            title: "films of soap and on glass by quadrature over wavelengths",
+            run: films::dielectrics,
+        },
+        Entry { id: "W11", title: "films on metals by quadrature over wavelengths", run: films::metals },
     ]
 }
 
