@@ -419,14 +419,14 @@ fn glass_and_metals_may_have_a_thin_film() {
             "materials[0].film.refractionIndex",
             "101 is out of range",
         ),
-        (glass, r#"{"thickness": 100}"#, "materials[0].film", "missing field `refractionIndex`"),
+        (glass, r#"{"thickness": 100}"#, "materials[0].film", "missing key `refractionIndex`"),
         (glass, r#"{"thickness": "thin", "refractionIndex": 1.3}"#, "materials[0].film", "expected"),
         (glass, r#"{"thickness": NaN, "refractionIndex": 1.3}"#, "", "expected value"),
         (
             glass,
             r#"{"thickness": 100, "refractionIndex": 1.3, "color": 1}"#,
             "materials[0].film",
-            "unknown field `color`",
+            "unknown key `color`",
         ),
         (glass, "300", "materials[0].film", "expected"),
         (
@@ -439,19 +439,19 @@ fn glass_and_metals_may_have_a_thin_film() {
             r#""type": "diffuse", "color": [1, 1, 1], "film": "#,
             r#"{"thickness": 100, "refractionIndex": 1.3}"#,
             "materials[0]",
-            "unknown field `film`",
+            "unknown key `film`",
         ),
         (
             r#""type": "principled", "film": "#,
             r#"{"thickness": 100, "refractionIndex": 1.3}"#,
             "materials[0]",
-            "unknown field `film`",
+            "unknown key `film`",
         ),
         (
             r#""type": "thin-refractive", "refractionIndex": 1.5, "film": "#,
             r#"{"thickness": 100, "refractionIndex": 1.3}"#,
             "materials[0]",
-            "unknown field `film`",
+            "unknown key `film`",
         ),
     ] {
         let textures = r#""textures": [{"name": "t", "type": "checker"}]"#;
