@@ -1,11 +1,12 @@
 //! Thin films: what they reflect and transmit, in three channels and in wavelengths.
 
 use super::{build, channels, white};
-use crate::common::scenes::{Job, box_inside, camera, render_scene, scene};
+use crate::common::scenes::{Job, add, box_inside, camera, render_scene, scene};
 use crate::record::Case;
 use crate::transport::{MESH, glass, pick, plane};
 use etendue::desc::{
-    BsdfDesc, ConductorDesc, Dispersion, IntegratorDesc, MicrofacetsDesc, RenderDesc, SceneDesc, ThinFilmDesc,
+    BsdfDesc, ConductorDesc, Dispersion, IntegratorDesc, MediumDesc, MicrofacetsDesc, RenderDesc, SceneDesc,
+    ThinFilmDesc,
 };
 use etendue::math::DVec3;
 use etendue::spectrum::{Rgb, rec_709};
@@ -111,6 +112,19 @@ pub fn dielectrics(case: &mut Case) {
     let desc = sheet(glass(ior as f32, 1.0), coat, 30.0, false, true);
     let pass = through(cos, ior, coat, 1.0);
     compare(case, "out of glass", &desc, IntegratorDesc::Path, |at| pass(at) * ior * ior);
+    // Glass in water, whose film has water in front of it; light is reflected to and fro between it and the surface of the water.
+    let water = 1.33_f32;
+    let mut desc = sheet(glass(ior as f32, 1.0), coat, 0.0, true, true);
+    add(&mut desc, 2, plane(DVec3::NEG_Z, DVec3::NEG_Z, 50.0), glass(water, 1.0), None);
+    for (material, priority) in [(0, 2), (2, 1)] {
+        desc.set_medium(material, Some(MediumDesc { absorption: Rgb::ZERO, priority })).expect("a medium");
+    }
+    let n = f64::from(water);
+    let bare = ((n - 1.0) / (n + 1.0)).powi(2);
+    compare(case, "in water", &desc, IntegratorDesc::Path, |at| {
+        let film = reflectance(1.0, n, coat, [ior, 0.0], at);
+        (1.0 - bare) * (1.0 - film) / (1.0 - bare * film) / (ior * ior)
+    });
     // A film on glass that disperses light: each wavelength has its own index on both sides of the sum.
     let dispersion = Dispersion::Abbe(15.0);
     let mut desc = sheet(glass(1.7, 1.0), coat, 30.0, true, false);
