@@ -51,7 +51,7 @@
 #define ETD_MATERIAL_INIT \
     {sizeof(etd_material), ETD_BSDF_LAMBERT, {0.5f, 0.5f, 0.5f}, 0, 0, 1.5f, 1, 0, 0, {0, 0, 0}, 0, 0, 0, \
      ETD_DISTRIBUTION_GGX, ETD_MASKING_SMITH, 0, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {1, 1, 1}, 0, 0, 0.5f, NULL, 1, \
-     {0, 0, 0}, 0, {0, 0, 0, 0}, {0, 0, 0, 0}, 0}
+     {0, 0, 0}, 0, {0, 0, 0, 0}, {0, 0, 0, 0}, 0, 0, 0}
 #define ETD_PRINCIPLED_INIT \
     {sizeof(etd_principled), 1, {0.8f, 0.8f, 0.8f}, 0, 0, 1, {1, 1, 1}, 0.3f, 0, 0, 1.5f, 0, {1, 1, 1}, 0, {1, 1, 1}, 0, 0, \
      1.6f, 1, 0, {1, 1, 1}, 0.5f, 0, 0, 0}
@@ -2393,6 +2393,14 @@ typedef struct etd_material {
      * Must be 0.
      */
     uint32_t reserved_1;
+    /**
+     * Thickness of a thin film on the outer side of a dielectric or a conductor, nanometres, in [0, 10000]. 0: no film.
+     */
+    float film_thickness;
+    /**
+     * Index of refraction of the film, above 0 and up to 100. Without a film it is not read.
+     */
+    float film_ior;
 } etd_material;
 
 /**

@@ -71,7 +71,7 @@ const INITIALISERS: &str = r"/** Stands for no material, no surface. */
 #define ETD_MATERIAL_INIT \
     {sizeof(etd_material), ETD_BSDF_LAMBERT, {0.5f, 0.5f, 0.5f}, 0, 0, 1.5f, 1, 0, 0, {0, 0, 0}, 0, 0, 0, \
      ETD_DISTRIBUTION_GGX, ETD_MASKING_SMITH, 0, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {1, 1, 1}, 0, 0, 0.5f, NULL, 1, \
-     {0, 0, 0}, 0, {0, 0, 0, 0}, {0, 0, 0, 0}, 0}
+     {0, 0, 0}, 0, {0, 0, 0, 0}, {0, 0, 0, 0}, 0, 0, 0}
 #define ETD_PRINCIPLED_INIT \
     {sizeof(etd_principled), 1, {0.8f, 0.8f, 0.8f}, 0, 0, 1, {1, 1, 1}, 0.3f, 0, 0, 1.5f, 0, {1, 1, 1}, 0, {1, 1, 1}, 0, 0, \
      1.6f, 1, 0, {1, 1, 1}, 0.5f, 0, 0, 0}

@@ -7,8 +7,9 @@ use std::path::{Path, PathBuf};
 use etendue::ErrorKind;
 use etendue::desc::{
     self, BsdfDesc, CacheDesc, CacheSource, CameraDesc, CropDesc, Dialect, Dispersion, FilmDesc, FilterDesc, FocusDesc,
-    FovAxis, IntegratorDesc, KernelDesc, LensDesc, MediumDesc, Panorama, PanoramaDesc, PhotonDesc, PhotonSharing,
-    RenderDesc, RouletteDesc, SamplerDesc, SceneDesc, ShapeDesc, SpectrumDesc, StandardIlluminant,
+    FovAxis, IntegratorDesc, KernelDesc, LensDesc, MaterialDesc, MediumDesc, Panorama, PanoramaDesc, PhotonDesc,
+    PhotonSharing, RenderDesc, RouletteDesc, SamplerDesc, SceneDesc, ShapeDesc, SpectrumDesc, StandardIlluminant,
+    ThinFilmDesc,
 };
 use etendue::math::{DAffine3, DVec3};
 use etendue::spectrum::Rgb;
@@ -536,6 +537,109 @@ fn a_refractive_material_may_disperse_light() {
         let error = etendue::desc::parse(&text, "".as_ref(), None).expect_err(keys).to_string();
         assert!(error.contains(&format!("{path}: ")) && error.contains(message), "{keys}: {error}");
     }
+}
+
+#[test]
+fn glass_and_metals_may_have_a_thin_film() {
+    let film = |keys: &str| format!(r#"{{"name": "m", {keys}}}"#);
+    let soap = Some(ThinFilmDesc { thickness: 312.5, ior: 1.25 });
+    for (keys, expected) in [
+        (r#""type": "refractive", "refractionIndex": 1, "film": {"thickness": 312.5, "refractionIndex": 1.25}"#, soap),
+        (
+            r#""type": "refractive", "refractionIndex": 1.5, "roughness": 0.2, "dispersion": 60,
+               "film": {"thickness": 312.5, "refractionIndex": 1.25}"#,
+            soap,
+        ),
+        (r#""type": "conductor", "metal": "Al", "film": {"thickness": 312.5, "refractionIndex": 1.25}"#, soap),
+        (r#""type": "cook-torrance", "metal": "Al", "film": {"thickness": 312.5, "refractionIndex": 1.25}"#, soap),
+        (r#""type": "conductor", "metal": "Al", "film": {"thickness": 0, "refractionIndex": 1.25}"#, None),
+        (r#""type": "conductor", "metal": "Al""#, None),
+    ] {
+        let scene = native(&format!("\"materials\": [{}]", film(keys)));
+        assert_eq!(scene.materials[0].film, expected, "{keys}");
+    }
+    let glass = r#""type": "refractive", "refractionIndex": 1.5, "film": "#;
+    let textured = r#""type": "conductor", "reflectance": [1, 1, 1], "textures": {"reflectance": "t"}, "film": "#;
+    for (of, keys, path, message) in [
+        (glass, r#"{"thickness": -1, "refractionIndex": 1.3}"#, "materials[0].film.thickness", "-1 is out of range"),
+        (
+            glass,
+            r#"{"thickness": 10001, "refractionIndex": 1.3}"#,
+            "materials[0].film.thickness",
+            "10001 is out of range",
+        ),
+        (glass, r#"{"thickness": 1e39, "refractionIndex": 1.3}"#, "materials[0].film.thickness", "inf is out of range"),
+        (
+            glass,
+            r#"{"thickness": 100, "refractionIndex": 0}"#,
+            "materials[0].film.refractionIndex",
+            "0 is out of range",
+        ),
+        (
+            glass,
+            r#"{"thickness": 0, "refractionIndex": -2}"#,
+            "materials[0].film.refractionIndex",
+            "-2 is out of range",
+        ),
+        (
+            glass,
+            r#"{"thickness": 100, "refractionIndex": 101}"#,
+            "materials[0].film.refractionIndex",
+            "101 is out of range",
+        ),
+        (glass, r#"{"thickness": 100}"#, "materials[0].film", "missing key `refractionIndex`"),
+        (glass, r#"{"thickness": "thin", "refractionIndex": 1.3}"#, "materials[0].film", "expected"),
+        (glass, r#"{"thickness": NaN, "refractionIndex": 1.3}"#, "", "expected value"),
+        (
+            glass,
+            r#"{"thickness": 100, "refractionIndex": 1.3, "color": 1}"#,
+            "materials[0].film",
+            "unknown key `color`",
+        ),
+        (glass, "300", "materials[0].film", "expected"),
+        (
+            textured,
+            r#"{"thickness": 100, "refractionIndex": 1.3}"#,
+            "materials[0].textures.reflectance",
+            "a metal with a thin film has the same reflectance everywhere",
+        ),
+        (
+            r#""type": "diffuse", "color": [1, 1, 1], "film": "#,
+            r#"{"thickness": 100, "refractionIndex": 1.3}"#,
+            "materials[0]",
+            "unknown key `film`",
+        ),
+        (
+            r#""type": "principled", "film": "#,
+            r#"{"thickness": 100, "refractionIndex": 1.3}"#,
+            "materials[0]",
+            "unknown key `film`",
+        ),
+        (
+            r#""type": "thin-refractive", "refractionIndex": 1.5, "film": "#,
+            r#"{"thickness": 100, "refractionIndex": 1.3}"#,
+            "materials[0]",
+            "unknown key `film`",
+        ),
+    ] {
+        let textures = r#""textures": [{"name": "t", "type": "checker"}]"#;
+        let text =
+            format!(r#"{{"etendue": 1, "camera": {{}}, {textures}, "materials": [{}]}}"#, film(&format!("{of}{keys}")));
+        let error = etendue::desc::parse(&text, "".as_ref(), None).expect_err(keys).to_string();
+        assert!(error.contains(path) && error.contains(message), "{of}{keys}: {error}");
+    }
+    // In calls, numbers may be what no file holds.
+    let mut scene = native("\"materials\": []");
+    for thickness in [f32::NAN, f32::INFINITY] {
+        let film = Some(ThinFilmDesc { thickness, ior: 1.3 });
+        let bsdf = BsdfDesc::Dielectric { ior: 1.5, exterior_ior: 1.0 };
+        let error = scene.add_material_desc(MaterialDesc { bsdf, film, ..MaterialDesc::default() }).unwrap_err();
+        assert!(error.to_string().contains("is out of range, expected a number in [0, 10000]"), "{error}");
+    }
+    let film = Some(ThinFilmDesc { thickness: 100.0, ior: 1.3 });
+    let bsdf = BsdfDesc::Mirror { reflectance: Rgb::ONE };
+    let error = scene.add_material_desc(MaterialDesc { bsdf, film, ..MaterialDesc::default() }).unwrap_err();
+    assert!(error.to_string().contains("only a refractive material or a conductor has a thin film"), "{error}");
 }
 
 #[test]

@@ -1,10 +1,13 @@
 //! Smooth metal.
 
+use std::sync::Arc;
+
 use super::lobes::{Lobes, TransportMode};
 use super::local::reflect;
 use super::metal_facet::MetalFacet;
 use super::metal_spectrum::{MetalCurves, MetalInSpectrum};
 use super::model::{BsdfSample, Model, SpecularLobes};
+use super::thin_film::FilmedMetal;
 use crate::math::Vec3;
 use crate::spectrum::{Rgb, Spectrum};
 
@@ -20,7 +23,8 @@ pub struct Conductor<C: Spectrum = Rgb> {
 impl Conductor {
     /// A metal that reflects by this law.
     pub fn new(facet: MetalFacet) -> Self {
-        Self { facet, mean: facet.mean_reflectance(), by_wavelength: MetalInSpectrum::default(), wavelengths: () }
+        let by_wavelength = MetalInSpectrum::default();
+        Self { mean: facet.mean_reflectance(), facet, by_wavelength, wavelengths: () }
     }
 
     /// The same metal in three channels, and this one by the wavelength.
@@ -28,10 +32,15 @@ impl Conductor {
         Self { by_wavelength: MetalInSpectrum::new(metal), ..self }
     }
 
+    /// A metal with a thin film.
+    pub(super) fn filmed(metal: Arc<FilmedMetal>) -> Self {
+        Self::new(MetalFacet::Filmed(metal))
+    }
+
     #[inline(always)]
     pub(super) fn in_spectrum<C: Spectrum>(&self, wavelengths: &C::Wavelengths) -> Conductor<C> {
         let by_wavelength = self.by_wavelength.in_spectrum(wavelengths);
-        Conductor { facet: self.facet, mean: self.mean, by_wavelength, wavelengths: *wavelengths }
+        Conductor { facet: self.facet.clone(), mean: self.mean, by_wavelength, wavelengths: *wavelengths }
     }
 }
 
@@ -39,7 +48,7 @@ impl<C: Spectrum> Conductor<C> {
     fn reflection(&self, wo: Vec3) -> BsdfSample<C> {
         let weight = match self.by_wavelength.at() {
             Some(metal) => metal.reflectance(wo.z.abs()),
-            None => C::from_reflectance(self.facet.reflectance(wo.z.abs()), &self.wavelengths),
+            None => self.facet.reflectance_in(wo.z.abs(), &self.wavelengths),
         };
         BsdfSample { wi: reflect(wo), weight, pdf: 0.0, lobe: Lobes::SPECULAR_REFLECTION, eta: 1.0 }
     }

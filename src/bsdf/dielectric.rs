@@ -53,16 +53,6 @@ impl Dielectric {
     pub(super) fn in_spectrum<C: Spectrum>(&self, _: &C::Wavelengths) -> Self {
         *self
     }
-
-    #[inline]
-    fn reflection<C: Spectrum>(wo: Vec3, weight: C) -> BsdfSample<C> {
-        BsdfSample { wi: reflect(wo), weight, pdf: 0.0, lobe: Lobes::SPECULAR_REFLECTION, eta: 1.0 }
-    }
-
-    #[inline]
-    fn refraction<C: Spectrum>(wi: Vec3, weight: C, eta: f32) -> BsdfSample<C> {
-        BsdfSample { wi, weight, pdf: 0.0, lobe: Lobes::SPECULAR_TRANSMISSION, eta }
-    }
 }
 
 impl<C: Spectrum> Model<C> for Dielectric {
@@ -90,9 +80,9 @@ impl<C: Spectrum> Model<C> for Dielectric {
                 TransportMode::Radiance => C::splat((1.0 / (eta * eta)) as f32),
                 TransportMode::Importance => C::ONE,
             };
-            return Some(Self::refraction(wi, weight, eta as f32));
+            return Some(refraction(wi, weight, eta as f32));
         }
-        Some(Self::reflection(wo, C::ONE))
+        Some(reflection(wo, C::ONE))
     }
 
     /// The reflectance F, and 1 - F for the refracted direction unless reflection is total; for radiance with another
@@ -105,15 +95,27 @@ impl<C: Spectrum> Model<C> for Dielectric {
                 TransportMode::Radiance => (1.0 - reflectance) / (eta * eta),
                 TransportMode::Importance => 1.0 - reflectance,
             };
-            Self::refraction(wi, C::splat(transmittance), eta)
+            refraction(wi, C::splat(transmittance), eta)
         });
-        [Some(Self::reflection(wo, C::splat(reflectance))), refraction, None]
+        [Some(reflection(wo, C::splat(reflectance))), refraction, None]
     }
+}
+
+/// A sample of the mirror direction.
+#[inline]
+pub(super) fn reflection<C: Spectrum>(wo: Vec3, weight: C) -> BsdfSample<C> {
+    BsdfSample { wi: reflect(wo), weight, pdf: 0.0, lobe: Lobes::SPECULAR_REFLECTION, eta: 1.0 }
+}
+
+/// A sample of the refracted direction.
+#[inline]
+pub(super) fn refraction<C: Spectrum>(wi: Vec3, weight: C, eta: f32) -> BsdfSample<C> {
+    BsdfSample { wi, weight, pdf: 0.0, lobe: Lobes::SPECULAR_TRANSMISSION, eta }
 }
 
 /// The refracted direction on the other side, or `None` under total reflection. With `eta` 1 it is -wo, bit for bit.
 #[inline]
-fn refract(wo: Vec3, eta: f64) -> Option<Vec3> {
+pub(super) fn refract(wo: Vec3, eta: f64) -> Option<Vec3> {
     if eta == 1.0 {
         return Some(-wo);
     }

@@ -39,6 +39,16 @@ impl Indices {
         Self { inner, outer }
     }
 
+    /// The indices on the inner and on the outer side.
+    pub fn both(&self, nanometres: Option<f32>) -> [f64; 2] {
+        [self.inner.at(nanometres), self.outer.at(nanometres)]
+    }
+
+    /// Whether the ratio of the indices depends on the wavelength.
+    pub fn disperse(&self) -> bool {
+        self.inner != self.outer && (self.inner.dispersion.is_some() || self.outer.dispersion.is_some())
+    }
+
     /// Index on the inner side over index on the outer side.
     pub fn eta(&self, nanometres: Option<f32>) -> f64 {
         self.inner.at(nanometres) / self.outer.at(nanometres)

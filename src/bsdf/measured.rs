@@ -5,8 +5,8 @@ use std::sync::Arc;
 use super::lobes::{Lobes, TransportMode};
 use super::metal_spectrum::MetalCurves;
 use super::model::{BsdfSample, Model, SpecularLobes};
-use super::{Bsdf, Index, Lambert, Mirror};
-use crate::desc::{BsdfDesc, Dispersion, MaterialDesc, SpectrumKey};
+use super::{Bsdf, Conductor, FilmedDielectric, FilmedMetal, Index, Lambert, Mirror};
+use crate::desc::{BsdfDesc, Dispersion, MaterialDesc, SpectrumKey, ThinFilmDesc};
 use crate::math::Vec3;
 use crate::spectrum::{Rgb, SpectralCurve, Spectrum};
 
@@ -19,20 +19,28 @@ pub(crate) struct ByWavelength {
     colors: Option<Arc<[(SpectrumKey, SpectralCurve)]>>,
     /// The index of a metal.
     metal: Option<MetalCurves>,
+    /// A film on a dielectric.
+    film: Option<ThinFilmDesc>,
+    /// A metal with a film.
+    filmed: Option<Arc<FilmedMetal>>,
 }
 
 impl ByWavelength {
     /// That of a checked material.
     pub fn new(material: &MaterialDesc) -> Self {
-        let metal = match &material.bsdf {
-            BsdfDesc::Conductor { conductor, .. } => MetalCurves::new(conductor, &material.spectra),
+        let conductor = match &material.bsdf {
+            BsdfDesc::Conductor { conductor, .. } => Some(conductor),
             _ => None,
         };
+        let metal = conductor.and_then(|conductor| MetalCurves::new(conductor, &material.spectra));
+        let film = material.film;
+        let filmed = conductor.zip(film).map(|(it, film)| Arc::new(FilmedMetal::of(it, metal.as_ref(), film)));
         let is_color = |key: SpectrumKey| matches!(key, SpectrumKey::Color | SpectrumKey::Transmittance);
         let of_colors = material.spectra.iter().filter(|(key, _)| is_color(*key));
         let colors: Arc<[_]> =
             of_colors.filter_map(|(key, spectrum)| Some((*key, spectrum.curve(key.name()).ok()?))).collect();
-        Self { dispersion: material.dispersion, colors: (!colors.is_empty()).then_some(colors), metal }
+        let colors = (!colors.is_empty()).then_some(colors);
+        Self { dispersion: material.dispersion, colors, metal, film, filmed }
     }
 }
 
@@ -40,18 +48,39 @@ impl Bsdf {
     /// The model that was made from a description, of a material that depends on the wavelength like this. `around`: as for
     /// [`Self::within`].
     pub(crate) fn by_wavelength(self, desc: &BsdfDesc, by: &ByWavelength, around: Option<f32>) -> Self {
-        let ByWavelength { dispersion, colors, metal } = by;
-        if let (Some(dispersion), Some([ior, exterior_ior])) = (dispersion, desc.interior()) {
+        let ByWavelength { dispersion, colors, metal, film, filmed } = by;
+        if let Some([ior, exterior_ior]) = desc.interior() {
+            let inner = Index { ior, dispersion: *dispersion };
             let outer = Index { ior: around.unwrap_or(exterior_ior), dispersion: None };
-            return self.dispersing(Index { ior, dispersion: Some(*dispersion) }, outer);
+            return match film {
+                Some(film) => self.filmed(inner, outer, *film),
+                None => self.dispersing(inner, outer),
+            };
         }
-        match (self, metal, colors) {
-            (Self::Conductor(it), Some(metal), _) => Self::Conductor(it.measured(metal.clone())),
-            (Self::RoughConductor(it), Some(metal), _) => Self::RoughConductor(it.measured(metal.clone())),
-            (model, _, Some(colors)) => {
-                Self::Measured(Measured { model: Box::new(model), colors: Some(Arc::clone(colors)) })
-            }
-            (model, ..) => model,
+        match self {
+            Self::Conductor(it) => Self::Conductor(match (filmed, metal) {
+                (Some(filmed), _) => Conductor::filmed(Arc::clone(filmed)),
+                (None, Some(metal)) => it.measured(metal.clone()),
+                (None, None) => it,
+            }),
+            Self::RoughConductor(it) => Self::RoughConductor(match (filmed, metal) {
+                (Some(filmed), _) => it.filmed(Arc::clone(filmed)),
+                (None, Some(metal)) => it.measured(metal.clone()),
+                (None, None) => it,
+            }),
+            model => match colors {
+                Some(colors) => Self::Measured(Measured { model: Box::new(model), colors: Some(Arc::clone(colors)) }),
+                None => model,
+            },
+        }
+    }
+
+    /// The same interface between dielectrics with a thin film; other models as they are.
+    fn filmed(self, inner: Index, outer: Index, film: ThinFilmDesc) -> Self {
+        match self {
+            Self::Dielectric(_) => Self::FilmedDielectric(FilmedDielectric::new(inner, outer, film)),
+            Self::RoughDielectric(rough) => Self::RoughDielectric(rough.with_film(inner, outer, film)),
+            other => other,
         }
     }
 }

@@ -1,13 +1,16 @@
 //! What a facet of a metal reflects, by colour.
 
+use std::sync::Arc;
+
 use super::fresnel::fresnel_conductors;
 use super::microfacet::average_of;
+use super::thin_film::FilmedMetal;
 use crate::desc::ConductorDesc;
 use crate::math::Vec3;
-use crate::spectrum::Rgb;
+use crate::spectrum::{Rgb, Spectrum};
 
 /// The reflectance of a smooth metal by the angle of incidence.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum MetalFacet {
     /// Fresnel's equations with a complex index of refraction per channel; an infinite extinction reflects everything.
     Index {
@@ -28,6 +31,8 @@ pub enum MetalFacet {
         /// Factor on the whole, in [0, 1].
         weight: f32,
     },
+    /// Fresnel's equations with a thin film.
+    Filmed(Arc<FilmedMetal>),
 }
 
 impl MetalFacet {
@@ -55,6 +60,17 @@ impl MetalFacet {
                 let power = below.powi(6);
                 (schlick(*f0, cos) - *b * (cos * power)).max(Rgb::ZERO).min(Rgb::ONE) * *weight
             }
+            Self::Filmed(metal) => metal.observed(cos),
+        }
+    }
+
+    /// The reflectance at this cosine in the channels of a path: a smooth spectrum of its colour, or with a film that of each
+    /// wavelength.
+    #[inline]
+    pub fn reflectance_in<C: Spectrum>(&self, cos: f32, wavelengths: &C::Wavelengths) -> C {
+        match self {
+            Self::Filmed(metal) => metal.reflectance(cos, wavelengths),
+            plain => C::from_reflectance(plain.reflectance(cos), wavelengths),
         }
     }
 

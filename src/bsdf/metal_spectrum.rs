@@ -93,6 +93,12 @@ impl MetalCurves {
         }
     }
 
+    /// n and k at a wavelength \[nm\].
+    pub(super) fn index(&self, nanometres: f32) -> [f32; 2] {
+        let metal = self.get();
+        [metal.eta.at(nanometres), metal.k.at(nanometres)]
+    }
+
     /// The metal of a checked description with these spectra; `None` where only three channels are known.
     pub(super) fn new(conductor: &ConductorDesc, spectra: &[(SpectrumKey, SpectrumDesc)]) -> Option<Self> {
         let curve = |key: SpectrumKey| {

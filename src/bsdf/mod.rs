@@ -19,6 +19,7 @@ mod dielectric;
 mod diffuse_transmission;
 mod dispersive;
 mod eon;
+mod filmed_dielectric;
 mod fresnel;
 mod lambert;
 mod layered;
@@ -43,6 +44,7 @@ mod rough_dielectric;
 mod rough_thin_dielectric;
 mod sheen;
 mod thin_dielectric;
+mod thin_film;
 mod tinted;
 
 pub use black::Black;
@@ -52,6 +54,7 @@ pub use dielectric::Dielectric;
 pub use diffuse_transmission::DiffuseTransmission;
 pub use dispersive::{Dispersive, Index};
 pub use eon::Eon;
+pub use filmed_dielectric::FilmedDielectric;
 pub use fresnel::{fresnel_conductor, fresnel_conductors, fresnel_dielectric, fresnel_polarised, refracted_cosine};
 pub use lambert::Lambert;
 pub use layered::{Layer, Layered, LayeredParts};
@@ -74,6 +77,7 @@ pub use rough_dielectric::RoughDielectric;
 pub use rough_thin_dielectric::RoughThinDielectric;
 pub use sheen::Sheen;
 pub use thin_dielectric::{Sheet, ThinDielectric};
+pub use thin_film::FilmedMetal;
 pub use tinted::TintedTransmission;
 
 use crate::desc::{BsdfDesc, Masking, MaterialDesc};
@@ -278,6 +282,8 @@ models! {
     Conductor(Conductor<C>),
     /// Smooth dielectric interface that refracts each wavelength into another direction.
     Dispersive(Dispersive<C>),
+    /// Smooth dielectric interface with a thin film.
+    FilmedDielectric(FilmedDielectric<C>),
     /// Rough metal.
     RoughConductor(RoughConductor<C>),
     /// Rough dielectric interface.
@@ -339,6 +345,7 @@ impl Bsdf {
         match self {
             Self::Dielectric(_) | Self::Dispersive(_) if differs => Self::Dispersive(Dispersive::new(inner, outer)),
             Self::Dispersive(_) => Self::Dielectric(Dielectric::new(inner.ior, outer.ior)),
+            Self::FilmedDielectric(filmed) => Self::FilmedDielectric(filmed.dispersing(inner, outer)),
             Self::RoughDielectric(rough) if differs => Self::RoughDielectric(rough.dispersing(inner, outer)),
             // The parts of a mixture that are bodies have one medium.
             Self::Mix(mix) => Self::Mix(mix.dispersing(inner, outer)),

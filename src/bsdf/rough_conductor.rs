@@ -1,6 +1,7 @@
 //! Rough metal.
 
 use std::f32::consts::FRAC_1_PI;
+use std::sync::Arc;
 
 use super::lobes::{Lobes, TransportMode};
 use super::local::{outward, same_side};
@@ -8,6 +9,7 @@ use super::metal_facet::MetalFacet;
 use super::metal_spectrum::{MetalCurves, MetalInSpectrum};
 use super::microfacet::{FacetShares, Microfacets, MissingEnergy, choose};
 use super::model::{BsdfSample, Model};
+use super::thin_film::FilmedMetal;
 use crate::math::Vec3;
 use crate::sampling::warps;
 use crate::spectrum::{Rgb, Spectrum};
@@ -18,6 +20,8 @@ use crate::spectrum::{Rgb, Spectrum};
 /// albedo of facets that reflect everything, and F_ms is the colour after several reflections. The form is reciprocal, unlike a
 /// factor by the view alone, so that photons and paths from the camera agree; a metal that reflects everything then has the
 /// albedo 1 in all directions.
+///
+/// With a film, facets reflect what interference leaves ([`MetalFacet::Filmed`]); F_ms is that of its colour in three channels.
 ///
 /// Sources: Torrance and Sparrow 1967, "Theory for Off-Specular Reflection From Roughened Surfaces"; Cook and Torrance 1982, "A
 /// Reflectance Model for Computer Graphics"; Walter et al. 2007; Kulla and Conty 2017, "Revisiting Physically Based Shading at
@@ -63,10 +67,15 @@ impl RoughConductor {
         Self { by_wavelength: MetalInSpectrum::new(metal), ..self }
     }
 
+    /// The same facets of a metal with a thin film.
+    pub(super) fn filmed(&self, metal: Arc<FilmedMetal>) -> Self {
+        Self::new(MetalFacet::Filmed(metal), self.facets, self.is_compensated)
+    }
+
     #[inline(always)]
     pub(super) fn in_spectrum<C: Spectrum>(&self, wavelengths: &C::Wavelengths) -> RoughConductor<C> {
         RoughConductor {
-            facet: self.facet,
+            facet: self.facet.clone(),
             facets: self.facets,
             missing: self.missing.clone(),
             multiple: self.multiple,
@@ -89,7 +98,7 @@ impl<C: Spectrum> RoughConductor<C> {
     fn facet_reflectance(&self, cos: f32) -> C {
         match self.by_wavelength.at() {
             Some(metal) => metal.reflectance(cos),
-            None => C::from_reflectance(self.facet.reflectance(cos), &self.wavelengths),
+            None => self.facet.reflectance_in(cos, &self.wavelengths),
         }
     }
 

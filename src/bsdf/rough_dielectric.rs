@@ -9,6 +9,8 @@ use super::local::{outward, refract_about};
 use super::memo::memo;
 use super::microfacet::{FacetShares, Microfacets, MissingEnergy, average, choose};
 use super::model::{BsdfSample, Model};
+use super::thin_film::{FilmedInterface, Shares};
+use crate::desc::ThinFilmDesc;
 use crate::math::Vec3;
 use crate::sampling::warps;
 use crate::spectrum::{Rgb, Spectrum};
@@ -22,6 +24,9 @@ use crate::spectrum::{Rgb, Spectrum};
 /// Where a medium disperses light, a path takes its direction from its first wavelength, as at a [`super::Dispersive`] interface.
 /// What facets scatter more than once is that of the line d for all wavelengths.
 ///
+/// With a film, a facet reflects what interference leaves, and chooses by one probability for all channels. What facets scatter more
+/// than once has no colour: its share is worked out with the luminance of what the film reflects.
+///
 /// Sources: Walter et al. 2007, "Microfacet Models for Refraction through Rough Surfaces"; Kulla and Conty 2017.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RoughDielectric<C: Spectrum = Rgb> {
@@ -29,9 +34,18 @@ pub struct RoughDielectric<C: Spectrum = Rgb> {
     eta: f64,
     facets: Microfacets,
     multiple: Option<Multiple>,
-    /// The indices on both sides, where one depends on the wavelength.
-    indices: Option<Box<Indices>>,
+    /// What makes channels differ.
+    by_channel: Option<Box<ByChannel>>,
     wavelengths: C::Wavelengths,
+}
+
+/// What makes the reflectance of facets depend on the channel.
+#[derive(Clone, Debug, PartialEq)]
+enum ByChannel {
+    /// The indices on both sides, of which one depends on the wavelength.
+    Dispersion(Indices),
+    /// A film.
+    Film(FilmedInterface),
 }
 
 /// What is scattered more than once: for light from the outer side, and from the inner side.
@@ -48,19 +62,38 @@ impl RoughDielectric {
     pub fn new(ior: f32, exterior_ior: f32, facets: Microfacets, is_compensated: bool) -> Self {
         let eta = f64::from(ior) / f64::from(exterior_ior);
         let multiple = is_compensated.then(|| Multiple::new(eta, &facets)).flatten();
-        Self { eta, facets, multiple, indices: None, wavelengths: () }
+        Self { eta, facets, multiple, by_channel: None, wavelengths: () }
+    }
+
+    /// The same interface with a film between media with these indices.
+    pub(super) fn with_film(self, inner: Index, outer: Index, film: ThinFilmDesc) -> Self {
+        self.filmed(FilmedInterface::new(inner, outer, film))
+    }
+
+    fn filmed(self, film: FilmedInterface) -> Self {
+        let multiple = self.multiple.and_then(|_| Multiple::of_film(&film, &self.facets));
+        Self { multiple, by_channel: Some(Box::new(ByChannel::Film(film))), ..self }
     }
 
     /// The same interface between media whose indices depend on the wavelength.
     pub(super) fn dispersing(self, inner: Index, outer: Index) -> Self {
-        Self { indices: Some(Box::new(Indices::new(inner, outer))), ..self }
+        if let Some(ByChannel::Film(film)) = self.by_channel.as_deref() {
+            let film = film.dispersing(inner, outer);
+            return self.filmed(film);
+        }
+        Self { by_channel: Some(Box::new(ByChannel::Dispersion(Indices::new(inner, outer)))), ..self }
     }
 
     #[inline(always)]
     pub(super) fn in_spectrum<C: Spectrum>(&self, wavelengths: &C::Wavelengths) -> RoughDielectric<C> {
-        let Self { facets, multiple, indices, .. } = self.clone();
-        let eta = indices.as_ref().map_or(self.eta, |indices| indices.eta(C::first_wavelength(wavelengths)));
-        RoughDielectric { eta, facets, multiple, indices, wavelengths: *wavelengths }
+        let Self { facets, multiple, by_channel, .. } = self.clone();
+        let first = C::first_wavelength(wavelengths);
+        let eta = match by_channel.as_deref() {
+            None => self.eta,
+            Some(ByChannel::Dispersion(indices)) => indices.eta(first),
+            Some(ByChannel::Film(film)) => film.eta(first),
+        };
+        RoughDielectric { eta, facets, multiple, by_channel, wavelengths: *wavelengths }
     }
 }
 
@@ -78,14 +111,32 @@ impl Multiple {
                 FacetShares { reflected, transmitted: Some((1.0 - reflected, eta)) }
             })
         });
+        Self::balanced(eta, missing, |eta| {
+            PASSES.get(&eta.to_bits(), || 1.0 - average(|mu| fresnel_dielectric(mu, eta)))
+        })
+    }
+
+    /// As [`Self::new`], for facets with a film.
+    fn of_film(film: &FilmedInterface, facets: &Microfacets) -> Option<Self> {
+        let eta = film.eta(None);
+        let missing = [(0, eta), (1, 1.0 / eta)].map(|(side, eta)| {
+            MissingEnergy::of_film(facets, (eta, true), film.layer(), |cos| {
+                let reflected = film.grey(side, cos);
+                FacetShares { reflected, transmitted: Some((1.0 - reflected, eta)) }
+            })
+        });
+        Self::balanced(eta, missing, |of| 1.0 - average(|mu| film.grey(usize::from(of != eta), mu)))
+    }
+
+    /// The shares of the sides, by what single scattering loses and by what a smooth interface of a relative index lets pass.
+    fn balanced(eta: f64, missing: [MissingEnergy; 2], passes: impl Fn(f64) -> f64) -> Option<Self> {
         let means = [0, 1].map(|side: usize| f64::from(missing[side].mean()));
         if means[0].min(means[1]) < 1e-7 {
             return None;
         }
         // Of the light that comes from one side, the share t = kappa n^2 (1 - E_mean) of the other is transmitted, which is
         // the reciprocal form; kappa is as large as can be without more than a smooth interface transmits.
-        let passes =
-            [eta, 1.0 / eta].map(|eta| PASSES.get(&eta.to_bits(), || 1.0 - average(|mu| fresnel_dielectric(mu, eta))));
+        let passes = [eta, 1.0 / eta].map(passes);
         let own = [means[1] * eta * eta, means[0]];
         let kappa = (passes[0] / own[0]).min(passes[1] / own[1]);
         Some(Self { missing, transmitted: own.map(|own| (kappa * own) as f32) })
@@ -149,18 +200,44 @@ impl<C: Spectrum> RoughDielectric<C> {
         (wo.dot(m) > 0.0 && wi.dot(m) < 0.0).then_some(m)
     }
 
-    /// f |cos(wi)| in terms of power and the density of single scattering, by the facet that connects the directions. `wo` is
-    /// on the outer side, `wi` on its own.
+    /// The film of the facets, if there is one.
     #[inline]
-    fn once(&self, wo: Vec3, wi: Vec3, m: Vec3, eta: f64) -> (f32, f32) {
-        let cos = wo.dot(m);
+    fn film(&self) -> Option<&FilmedInterface> {
+        match self.by_channel.as_deref() {
+            Some(ByChannel::Film(film)) => Some(film),
+            _ => None,
+        }
+    }
+
+    /// What a facet with a film does with light between two directions. `wo` is on the outer side, whose own side is the outer one if
+    /// `front`.
+    fn shares(&self, film: &FilmedInterface, (wo, wi): (Vec3, Vec3), m: Vec3, eta: f64, front: bool) -> Shares<C> {
+        // As without a film, the angle in the thinner medium tells more; but where media disperse light, it is another one for each
+        // wavelength.
+        if wi.z < 0.0 && eta < 1.0 && !film.disperses() {
+            film.shares(wi.dot(m), !front, &self.wavelengths)
+        } else {
+            film.shares(wo.dot(m), front, &self.wavelengths)
+        }
+    }
+
+    /// The reflectance of a facet without a film for light between two directions.
+    #[inline]
+    fn reflectance(wo: Vec3, wi: Vec3, m: Vec3, eta: f64) -> f32 {
         // Of light that is transmitted, the angle in the thinner medium is the one that tells the reflectance to all digits: in the
         // other one, angles are crowded below the critical angle.
-        let reflectance = if wi.z < 0.0 && eta < 1.0 {
+        if wi.z < 0.0 && eta < 1.0 {
             fresnel_dielectric(f64::from(wi.dot(m)), 1.0 / eta) as f32
         } else {
-            fresnel_dielectric(f64::from(cos), eta) as f32
-        };
+            fresnel_dielectric(f64::from(wo.dot(m)), eta) as f32
+        }
+    }
+
+    /// f |cos(wi)| in terms of power and the density of single scattering, by the facet that connects the directions and its
+    /// reflectance. `wo` is on the outer side, `wi` on its own.
+    #[inline]
+    fn once(&self, wo: Vec3, wi: Vec3, m: Vec3, eta: f64, reflectance: f32) -> (f32, f32) {
+        let cos = wo.dot(m);
         if wi.z > 0.0 {
             let (g1, g2) = self.facets.reflection_masking(wo, wi, m);
             let once = reflectance * self.facets.d(m) / (4.0 * wo.z);
@@ -189,7 +266,11 @@ impl<C: Spectrum> RoughDielectric<C> {
         let axis = Vec3::new(0.0, 0.0, side);
         let eta = self.relative_eta(axis);
         let reflects = wi.z > 0.0;
-        let (once, pdf_once) = m.map_or((0.0, 0.0), |m| self.once(wo, wi, m, eta));
+        let film = self.film().zip(m).map(|(film, m)| self.shares(film, (wo, wi), m, eta, side > 0.0));
+        let (once, pdf_once) = m.map_or((0.0, 0.0), |m| {
+            let reflectance = film.map_or_else(|| Self::reflectance(wo, wi, m, eta), |shares| shares.probability);
+            self.once(wo, wi, m, eta, reflectance)
+        });
         let own = outward(wi);
         let (f_several, share) = self.multiple(Self::side(axis), several, wi, reflects);
         let pdf = (1.0 - several) * pdf_once + several * share * warps::cosine_hemisphere_pdf(own.z);
@@ -198,7 +279,11 @@ impl<C: Spectrum> RoughDielectric<C> {
         let once = if once.is_finite() { once } else { 0.0 };
         let pdf = if pdf.is_finite() { pdf } else { 0.0 };
         let f_several = f_several * own.z;
-        if let Some(indices) = &self.indices
+        if let Some(shares) = film {
+            let weight = if reflects { shares.reflected_weight() } else { shares.transmitted_weight() };
+            return ((weight * once + C::splat(f_several)) * scale, pdf);
+        }
+        if let Some(ByChannel::Dispersion(indices)) = self.by_channel.as_deref()
             && let Some(m) = m.filter(|_| reflects && C::HAS_WAVELENGTHS)
         {
             let shares = indices.reflected::<C>(wo.dot(m), side > 0.0, &self.wavelengths);
@@ -230,7 +315,11 @@ impl<C: Spectrum> Model<C> for RoughDielectric<C> {
     }
 
     fn disperses(&self) -> bool {
-        self.indices.is_some()
+        match self.by_channel.as_deref() {
+            None => false,
+            Some(ByChannel::Dispersion(_)) => true,
+            Some(ByChannel::Film(film)) => film.disperses(),
+        }
     }
 
     fn narrowest(&self) -> f32 {
@@ -267,7 +356,10 @@ impl<C: Spectrum> Model<C> for RoughDielectric<C> {
         } else {
             let m = self.facets.visible_normal(o, &mut u);
             let cos = o.dot(m);
-            let reflectance = fresnel_dielectric(f64::from(cos), eta) as f32;
+            let reflectance = match self.film() {
+                None => fresnel_dielectric(f64::from(cos), eta) as f32,
+                Some(film) => film.shares::<C>(cos, side > 0.0, &self.wavelengths).probability,
+            };
             let reflects = u[2] < reflectance;
             let wi = if reflects { 2.0 * cos * m - o } else { refract_about(o, m, eta)? };
             // What a facet scatters to the wrong side meets another one: the light that is made up for.

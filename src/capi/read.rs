@@ -8,6 +8,7 @@ use crate::Error;
 use crate::desc::{
     BsdfDesc, CacheDesc, CacheSource, CropDesc, Dispersion, FilterDesc, IntegratorDesc, KernelDesc, MaterialDesc,
     MediumDesc, PhotonDesc, PhotonSharing, RadiosityDesc, RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc,
+    ThinFilmDesc,
 };
 use crate::film::ErrorMeasure;
 use crate::math::{DAffine3, DMat3, DVec3};
@@ -91,6 +92,8 @@ pub(super) unsafe fn material(pointer: *const etd_material) -> Result<MaterialDe
         survival: given(it.survival),
         medium: has_medium.then_some(medium),
         dispersion,
+        // NaN is a thickness that is refused.
+        film: (it.film_thickness != 0.0).then_some(ThinFilmDesc { thickness: it.film_thickness, ior: it.film_ior }),
         opacity: if it.opacity == -1.0 { 0.0 } else { given(it.opacity).unwrap_or(1.0) },
         emission: emission(it.emission),
         ..MaterialDesc::default()
@@ -149,6 +152,8 @@ pub(super) fn material_out(material: &MaterialDesc) -> etd_material {
         sellmeier_strengths,
         sellmeier_resonances,
         reserved_1: 0,
+        film_thickness: material.film.map_or(0.0, |film| film.thickness),
+        film_ior: material.film.map_or(0.0, |film| film.ior),
     };
     let model = match material.bsdf {
         BsdfDesc::Black => ETD_BSDF_BLACK,

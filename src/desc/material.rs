@@ -2,6 +2,7 @@
 
 use super::{
     ConductorDesc, Dispersion, MicrofacetsDesc, PrincipledDesc, SpectrumDesc, SpectrumKey, TextureBinding, TextureKey,
+    ThinFilmDesc,
 };
 use crate::spectrum::Rgb;
 
@@ -25,6 +26,9 @@ pub struct MaterialDesc {
     /// How the index of refraction inside depends on the wavelength; `None` for one that does not. Only for
     /// [`BsdfDesc::Dielectric`] and [`BsdfDesc::RoughDielectric`].
     pub dispersion: Option<Dispersion>,
+    /// A thin film on the outer side. Only for [`BsdfDesc::Dielectric`], [`BsdfDesc::RoughDielectric`] and [`BsdfDesc::Conductor`]; no
+    /// texture varies the colours of a metal with a film.
+    pub film: Option<ThinFilmDesc>,
     /// The probability with which a ray meets a surface of this material, in [0, 1]; other rays pass straight on. Only materials
     /// that are named by surfaces have an opacity, and parts of other materials have none.
     pub opacity: f32,
@@ -49,6 +53,7 @@ impl Default for MaterialDesc {
             survival: None,
             medium: None,
             dispersion: None,
+            film: None,
             opacity: 1.0,
             emission: None,
             spectra: Vec::new(),

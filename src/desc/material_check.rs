@@ -3,7 +3,10 @@
 use super::json::{elided, join};
 use super::material_spectra;
 use super::validate::{absorption, emission, positive, reflectance, survival_rate, within};
-use super::{BsdfDesc, ConductorDesc, Masking, MaterialDesc, MediumDesc, MicrofacetsDesc, PrincipledDesc};
+use super::{
+    BsdfDesc, ConductorDesc, Masking, MaterialDesc, MediumDesc, MicrofacetsDesc, PrincipledDesc, TextureBinding,
+    TextureKey, ThinFilmDesc,
+};
 use crate::spectrum::Rgb;
 use crate::{Error, Result};
 
@@ -13,7 +16,8 @@ const MOST_PARTS: usize = 64;
 /// Most materials of which one names the next.
 const MOST_LEVELS: usize = 16;
 
-/// Checks a material. It may name `materials`, which come before it. An emission without any light becomes `None`.
+/// Checks a material. It may name `materials`, which come before it. An emission without any light and a film
+/// without thickness become `None`.
 pub(super) fn check(material: &mut MaterialDesc, materials: &[MaterialDesc]) -> Result<()> {
     if !material.spectra.is_empty() {
         material_spectra::apply(material)?;
@@ -45,6 +49,9 @@ pub(super) fn check(material: &mut MaterialDesc, materials: &[MaterialDesc]) -> 
         };
         dispersion.check(&at("dispersion"), ior.into())?;
     }
+    if let Some(thin_film) = material.film {
+        film(material, thin_film)?;
+    }
     within(&at("opacity"), material.opacity.into(), 0.0, 1.0)?;
     check_body(material, materials)?;
     if let Some(radiance) = material.emission {
@@ -57,6 +64,7 @@ pub(super) fn check(material: &mut MaterialDesc, materials: &[MaterialDesc]) -> 
             return Err(Error::invalid(at("opacity"), message));
         }
     }
+    material.film = material.film.filter(|film| film.thickness > 0.0);
     Ok(())
 }
 
@@ -71,6 +79,25 @@ fn check_body(material: &MaterialDesc, materials: &[MaterialDesc]) -> Result<()>
         material.opacity
     );
     Err(Error::invalid(join(&material.path, "opacity"), message))
+}
+
+/// Checks the film of a material.
+fn film(material: &MaterialDesc, film: ThinFilmDesc) -> Result<()> {
+    let at = |key: &str| join(&material.path, key);
+    let has_film = matches!(
+        material.bsdf,
+        BsdfDesc::Dielectric { .. } | BsdfDesc::RoughDielectric { .. } | BsdfDesc::Conductor { .. }
+    );
+    if !has_film {
+        return Err(Error::invalid(at("film"), "only a refractive material or a conductor has a thin film"));
+    }
+    // What a film does to a colour takes an integral over the spectrum for each colour.
+    let varies = |binding: &&TextureBinding| matches!(binding.key, TextureKey::Reflectance | TextureKey::EdgeTint);
+    if let Some(binding) = material.textures.iter().find(varies) {
+        let message = "a metal with a thin film has the same reflectance everywhere, expected no texture";
+        return Err(Error::invalid(join(&at("textures"), binding.key.name()), message));
+    }
+    film.check(&at("film"))
 }
 
 /// Checks the medium of a material with this model.

@@ -107,6 +107,7 @@ mod surface;
 mod texture;
 mod texture_check;
 mod texture_keys;
+mod thin_film;
 mod transform;
 mod validate;
 mod warnings;
@@ -160,4 +161,5 @@ pub use texture::{
     ImageTextureDesc, Projection, TextureBinding, TextureChannel, TextureDesc, TextureKey, TextureMapping,
     TextureSource,
 };
+pub use thin_film::{THICKEST_FILM, ThinFilmDesc};
 pub(crate) use white_balance::chromaticity as white_of;

@@ -15,7 +15,7 @@ use super::interaction::{NO_EMITTER, Owner, Triangles};
 use super::material::turned_with_tangents;
 use super::textured::has_varying_bsdf;
 use super::{Scene, SurfaceDetail};
-use crate::bsdf::{Black, Bsdf, Dielectric, Index, Model as _};
+use crate::bsdf::{Black, Bsdf, ByWavelength, Dielectric, Index, Model as _};
 use crate::camera::Camera;
 use crate::desc::{Body, BsdfDesc, Dispersion, MaterialDesc, MediumDesc, SceneDesc};
 use crate::error::{Error, ErrorKind, Result};
@@ -179,7 +179,7 @@ impl Media {
             of_material.push((place + 1) as Number);
         }
         let interface = |(i, material): (usize, &MaterialDesc)| match material.bsdf {
-            BsdfDesc::Dielectric { .. } => Interface::Smooth,
+            BsdfDesc::Dielectric { .. } if material.film.is_none() => Interface::Smooth,
             _ if has_varying_bsdf(desc, i) => Interface::Varying,
             _ => Interface::Made((0..=media.len()).map(|_| OnceLock::new()).collect()),
         };
@@ -307,7 +307,8 @@ impl Scene {
                 let bsdf = around[place].get_or_init(|| {
                     let (before, rest) = all.materials.split_at(material as usize);
                     rest.first().map_or(Bsdf::Black(Black), |own| {
-                        Bsdf::within(&own.bsdf, before, Some(outer.ior)).dispersing(inner, outer)
+                        let (bsdf, by) = (Bsdf::within(&own.bsdf, before, Some(outer.ior)), ByWavelength::new(own));
+                        bsdf.by_wavelength(&own.bsdf, &by, Some(outer.ior)).dispersing(inner, outer)
                     })
                 });
                 if bsdf.is_anisotropic() {

@@ -119,9 +119,9 @@ mod tests {
         assert!(unchanged.to_cols_array().iter().all(|it| it.abs() < 1e-4), "{unchanged}");
         // From A to D65 by the matrix that is published (Lindbloom, Bradford), in tristimulus values.
         let known = DMat3::from_cols_array_2d(&[
-            [0.844_6965, -0.136_6303, 0.079_8489],
-            [-0.117_9225, 1.104_1226, -0.134_8999],
-            [0.394_8108, 0.129_1718, 3.192_3580],
+            [0.844_696_5, -0.136_630_3, 0.079_848_9],
+            [-0.117_922_5, 1.104_122_6, -0.134_899_9],
+            [0.394_810_8, 0.129_171_8, 3.192_358_0],
         ]);
         let xyz = DVec3::new(1.0985, 1.0, 0.355_85);
         let sum = xyz.element_sum();

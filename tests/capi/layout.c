@@ -410,6 +410,8 @@ static void structures(void) {
     FIELD(etd_material, sellmeier_strengths);
     FIELD(etd_material, sellmeier_resonances);
     FIELD(etd_material, reserved_1);
+    FIELD(etd_material, film_thickness);
+    FIELD(etd_material, film_ior);
     STRUCT(etd_principled);
     FIELD(etd_principled, struct_size);
     FIELD(etd_principled, base_weight);

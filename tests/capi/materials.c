@@ -33,6 +33,22 @@ CASE(qualitative) { ONLY_MATERIAL; m->bsdf = ETD_BSDF_OREN_NAYAR_QUALITATIVE; m-
 CASE(mirror) { ONLY_MATERIAL; m->bsdf = ETD_BSDF_MIRROR; set3(m->color, 0.75f, 0.5f, 0.25f); }
 CASE(dielectric) { ONLY_MATERIAL; m->bsdf = ETD_BSDF_DIELECTRIC; m->ior = 1.5f; m->exterior_ior = 1.25f; }
 CASE(abbe) { ONLY_MATERIAL; m->bsdf = ETD_BSDF_DIELECTRIC; m->ior = 1.5f; m->abbe = 64.25f; }
+CASE(soap) {
+    ONLY_MATERIAL;
+    m->bsdf = ETD_BSDF_DIELECTRIC;
+    m->ior = 1;
+    m->film_thickness = 312.5f;
+    m->film_ior = 1.25f;
+}
+CASE(oxide) {
+    ONLY_MATERIAL;
+    m->bsdf = ETD_BSDF_CONDUCTOR;
+    m->eta[0] = m->eta[1] = m->eta[2] = 0.5f;
+    m->k[0] = m->k[1] = m->k[2] = 3.5f;
+    m->roughness = 0.25f;
+    m->film_thickness = 40;
+    m->film_ior = 2.5f;
+}
 CASE(sellmeier) {
     ONLY_MATERIAL;
     m->bsdf = ETD_BSDF_ROUGH_DIELECTRIC;
@@ -150,6 +166,10 @@ static const struct {
     {"mirror", mirror, "\"type\": \"reflective\", \"color\": [0.75, 0.5, 0.25]"},
     {"dielectric", dielectric, "\"type\": \"refractive\", \"refractionIndex\": 1.5, \"exteriorIndex\": 1.25"},
     {"abbe", abbe, "\"type\": \"refractive\", \"refractionIndex\": 1.5, \"dispersion\": 64.25"},
+    {"soap", soap, "\"type\": \"refractive\", \"refractionIndex\": 1, \"film\": {\"thickness\": 312.5, \"refractionIndex\": 1.25}"},
+    {"oxide", oxide,
+     "\"type\": \"conductor\", \"eta\": [0.5, 0.5, 0.5], \"k\": [3.5, 3.5, 3.5], \"roughness\": 0.25, "
+     "\"film\": {\"thickness\": 40, \"refractionIndex\": 2.5}"},
     {"sellmeier", sellmeier,
      "\"type\": \"refractive\", \"roughness\": 0.5, \"dispersion\": {\"strengths\": [0.5, 1.25], "
      "\"resonances\": [0.03125, 0.0078125]}"},

@@ -1023,6 +1023,26 @@ static void pass_materials(void) {
             refuse(&material, ETD_INVALID_SCENE, "k");
         }
     }
+    for (k = 0; k < 5; ++k) {
+        const float bad[] = {none, infinite, -infinite, -0.1f, 10001};
+        material = (etd_material)ETD_MATERIAL_INIT;
+        material.bsdf = ETD_BSDF_DIELECTRIC;
+        material.film_ior = 1.3f;
+        material.film_thickness = bad[k];
+        refuse(&material, ETD_INVALID_SCENE, "film_thickness");
+    }
+    for (k = 0; k < 6; ++k) {
+        const float bad[] = {none, infinite, -infinite, -0.1f, 0, 101};
+        material = (etd_material)ETD_MATERIAL_INIT;
+        material.bsdf = ETD_BSDF_CONDUCTOR;
+        material.film_thickness = 100;
+        material.film_ior = bad[k];
+        refuse(&material, ETD_INVALID_SCENE, "film_ior");
+    }
+    material = (etd_material)ETD_MATERIAL_INIT;
+    material.film_thickness = 100;
+    material.film_ior = 1.3f;
+    refuse(&material, ETD_INVALID_SCENE, "a film on a diffuse surface");
     /* Three zeros are no index; one zero is a wrong index. */
     material = (etd_material)ETD_MATERIAL_INIT;
     material.bsdf = ETD_BSDF_CONDUCTOR;

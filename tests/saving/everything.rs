@@ -11,7 +11,7 @@ use etendue::desc::{
     MotionDesc, MotionKey, Panorama, PanoramaDesc, PhotonDesc, PhotonSharing, PointLightDesc, PortalDesc,
     PrincipledDesc, Projection, RadiosityDesc, RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc, SceneDesc,
     ShapeDesc, ShutterDesc, SkyDesc, SpectrumDesc, SpectrumKey, SpectrumTarget, SpotDesc, SurfaceLook, TextureBinding,
-    TextureChannel, TextureDesc, TextureKey, TextureMapping, TextureSource,
+    TextureChannel, TextureDesc, TextureKey, TextureMapping, TextureSource, ThinFilmDesc,
 };
 use etendue::emitter::SkyFormula;
 use etendue::math::{Bounds, DAffine3, DQuat, DVec3};
@@ -138,6 +138,16 @@ fn materials(scene: &mut SceneDesc) {
     ];
     for chip in chips {
         scene.add_material_desc(chip).unwrap();
+    }
+    let conductor = ConductorDesc::Index { eta: rgb(0.3, 2.0, 3.0), k: rgb(3.0, 2.0, 1.0) };
+    let microfacets = MicrofacetsDesc { roughness: third(0.4), ..MicrofacetsDesc::default() };
+    for (name, bsdf) in [
+        ("soap", BsdfDesc::Dielectric { ior: 1.0, exterior_ior: 1.0 }),
+        ("coated lens", BsdfDesc::RoughDielectric { ior: third(4.5), exterior_ior: 1.0, microfacets }),
+        ("oxide", BsdfDesc::Conductor { conductor, microfacets }),
+    ] {
+        let film = Some(ThinFilmDesc { thickness: third(1000.0), ior: third(4.0) });
+        scene.add_material_desc(MaterialDesc { name: name.into(), bsdf, film, ..MaterialDesc::default() }).unwrap();
     }
     let leaf = BsdfDesc::DiffuseTransmission { reflectance: rgb(0.3, 0.2, 0.1), transmittance: rgb(1.0, 2.0, 0.4) };
     add(scene, "leaf", leaf);

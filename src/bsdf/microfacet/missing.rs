@@ -123,8 +123,9 @@ fn node(i: usize, n: usize) -> f64 {
     PI * (i as f64 + 0.5) / n as f64
 }
 
-/// What is asked of a rough surface, as a key: distribution, masking, widths, and the bits of the index of refraction.
-type Key = (Distribution, Masking, [u32; 2], u64, bool);
+/// What is asked of a rough surface, as a key: distribution, masking, widths, and the bits of the index of refraction and of
+/// the numbers of a film.
+type Key = (Distribution, Masking, [u32; 2], u64, bool, [u64; 2]);
 
 memo!(
     /// Tables that were integrated before, of 200 bytes each, or 6 kB for facets of two widths.
@@ -135,9 +136,20 @@ impl MissingEnergy {
     /// 1 - E of these facets. `index` is the index of refraction behind a facet over that in front of it, 0 where the shares
     /// depend on none, and `transmits` whether facets transmit: both distinguish what is remembered.
     pub fn new(facets: &Microfacets, (index, transmits): (f64, bool), shares: impl Fn(f64) -> FacetShares) -> Self {
+        Self::of_film(facets, (index, transmits), [0; 2], shares)
+    }
+
+    /// As [`Self::new`], for facets with a film that these numbers distinguish.
+    pub fn of_film(
+        facets: &Microfacets,
+        (index, transmits): (f64, bool),
+        film: [u64; 2],
+        shares: impl Fn(f64) -> FacetShares,
+    ) -> Self {
         // The angle by which facets are turned does not matter here.
         let facets = Microfacets { turn: [1.0, 0.0], ..*facets };
-        let key = (facets.distribution, facets.masking, facets.alpha.map(f32::to_bits), index.to_bits(), transmits);
+        let key =
+            (facets.distribution, facets.masking, facets.alpha.map(f32::to_bits), index.to_bits(), transmits, film);
         KNOWN.get(&key, || {
             let critical = if index > 0.0 && index < 1.0 { (1.0 - index * index).sqrt() } else { 0.0 };
             Self::integrated(&facets, critical, |mu, phi| {

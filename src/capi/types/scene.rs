@@ -255,6 +255,10 @@ pub struct etd_material {
     pub sellmeier_resonances: [f32; 4],
     /// Must be 0.
     pub reserved_1: u32,
+    /// Thickness of a thin film on the outer side of a dielectric or a conductor, nanometres, in [0, 10000]. 0: no film.
+    pub film_thickness: f32,
+    /// Index of refraction of the film, above 0 and up to 100. Without a film it is not read.
+    pub film_ior: f32,
 }
 
 /// The format of an array of positions.

@@ -3,9 +3,11 @@
 use super::super::builder::Builder;
 use super::super::json::{Whole, join};
 use super::super::numbers::{self, single, unless, unless_color};
-use super::super::{BsdfDesc, Dispersion, MediumDesc, MicrofacetsDesc, TextureKey, material_check, validate};
+use super::super::{
+    BsdfDesc, Dispersion, MaterialDesc, MediumDesc, MicrofacetsDesc, TextureKey, ThinFilmDesc, material_check, validate,
+};
 use super::facets::FacetKeys;
-use super::{Kind, SharedKeys, color, dispersion, keys, material, tags};
+use super::{Kind, SharedKeys, color, dispersion, film, keys, material, tags};
 use crate::spectrum::Rgb;
 use crate::{Error, Result};
 
@@ -19,6 +21,9 @@ material!(
     /// medium, or the numbers of Sellmeier's formula, which state the index. Default: the same index for all wavelengths.
     #[cfg_attr(feature = "schema", schemars(with = "Option<super::dispersion::DispersionKeys>"))]
     dispersion: Option<Box<serde_json::value::RawValue>>,
+    /// A thin film on the outer side, whose two faces reflect light that interferes. Default: none.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<super::film::ThinFilm>"))]
+    film: Option<Box<serde_json::value::RawValue>>,
     /// Index of refraction outside, > 0. Default 1. In a scene with `absorption`, `transmittance` or `priority` it only counts
     /// where the body lies in no other medium.
     exterior_index: Option<f64>,
@@ -66,14 +71,16 @@ impl Refractive {
         shared: SharedKeys,
         [ior, exterior_ior]: [f32; 2],
         microfacets: &MicrofacetsDesc,
-        medium: Option<MediumDesc>,
-        dispersion: Option<&Dispersion>,
+        material: &MaterialDesc,
     ) -> Result<Self> {
         let facets = FacetKeys::of(microfacets);
-        let dispersion = dispersion.map(dispersion::write).transpose()?;
+        let medium = material.medium;
+        let dispersion = material.dispersion.as_ref().map(dispersion::write).transpose()?;
+        let film = material.film.as_ref().map(film::write).transpose()?;
         Ok(keys!(Self, tags::Refractive::Refractive, shared, facets facets, {
             refraction_index: Some(single(ior)),
             dispersion: dispersion,
+            film: film,
             exterior_index: unless(single(exterior_ior), 1.0),
             absorption: medium.map(|medium| numbers::color(medium.absorption)),
             transmittance: None,
@@ -150,6 +157,10 @@ impl Kind for Refractive {
     fn dispersion(&self, path: &str) -> Result<Option<Dispersion>> {
         let read = |value: &serde_json::value::RawValue| dispersion::read(value, &join(path, "dispersion"));
         self.dispersion.as_deref().map(read).transpose()
+    }
+
+    fn film(&self, path: &str) -> Result<Option<ThinFilmDesc>> {
+        self.film.as_deref().map(|value| film::read(value, &join(path, "film"))).transpose()
     }
 }
 

@@ -3,9 +3,9 @@
 use super::super::builder::Builder;
 use super::super::json::{self, join};
 use super::super::numbers::{self, unless_color};
-use super::super::{BsdfDesc, ConductorDesc, METALS, Metal, MicrofacetsDesc, validate};
+use super::super::{BsdfDesc, ConductorDesc, METALS, Metal, MicrofacetsDesc, ThinFilmDesc, validate};
 use super::facets::{FacetDistribution, FacetKeys, FacetMasking};
-use super::{Kind, SharedKeys, color, keys, material, tags};
+use super::{Kind, SharedKeys, color, film, keys, material, tags};
 use crate::spectrum::Rgb;
 use crate::{Error, Result};
 
@@ -30,6 +30,9 @@ material!(
     reflectance: Option<[f64; 3]>,
     /// With `reflectance`: tint of the edge, [0, 1] per channel. Default [1, 1, 1].
     edge_tint: Option<[f64; 3]>,
+    /// A thin film on the outer side, whose two faces reflect light that interferes. Default: none.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<super::film::ThinFilm>"))]
+    film: Option<Box<serde_json::value::RawValue>>,
     /// Whether light that facets reflect more than once is made up for. Default true, except with `v-cavity`.
     multiple_scattering: Option<bool>,
 });
@@ -54,8 +57,14 @@ impl Reflective {
 
 impl Conductor {
     /// The keys of a metal.
-    pub(super) fn of(shared: SharedKeys, conductor: &ConductorDesc, microfacets: &MicrofacetsDesc) -> Self {
+    pub(super) fn of(
+        shared: SharedKeys,
+        conductor: &ConductorDesc,
+        microfacets: &MicrofacetsDesc,
+        film: Option<&ThinFilmDesc>,
+    ) -> Result<Self> {
         let facets = FacetKeys::of(microfacets);
+        let film = film.map(film::write).transpose()?;
         let measured = METALS.iter().find(|metal| metal.conductor() == *conductor);
         let ([eta, k], [reflectance, edge_tint]) = match *conductor {
             ConductorDesc::Index { .. } if measured.is_some() => ([None; 2], [None; 2]),
@@ -64,14 +73,15 @@ impl Conductor {
                 ([None; 2], [Some(numbers::color(normal)), unless_color(edge, Rgb::ONE)])
             }
         };
-        keys!(Self, tags::Metal::Conductor, shared, facets facets, {
+        Ok(keys!(Self, tags::Metal::Conductor, shared, facets facets, {
             metal: measured.map(|metal| metal.symbol.to_owned()),
             eta: eta,
             k: k,
             reflectance: reflectance,
             edge_tint: edge_tint,
+            film: film,
             multiple_scattering: facets.multiple_scattering,
-        })
+        }))
     }
 }
 
@@ -126,6 +136,10 @@ impl Kind for Conductor {
             )?,
         };
         Ok(BsdfDesc::Conductor { conductor, microfacets: facets.read(path)? })
+    }
+
+    fn film(&self, path: &str) -> Result<Option<ThinFilmDesc>> {
+        self.film.as_deref().map(|value| film::read(value, &join(path, "film"))).transpose()
     }
 }
 

@@ -5,6 +5,7 @@ mod dielectric;
 mod diffuse;
 mod dispersion;
 mod facets;
+mod film;
 mod metal;
 mod principled;
 
@@ -18,8 +19,8 @@ use super::json::{self, join};
 use super::numbers::{self, single, unless};
 use super::save::{Names, raw};
 use super::{
-    BsdfDesc, Dispersion, MaterialDesc, MediumDesc, MicrofacetsDesc, material_check, photometric, spectrum_keys,
-    texture_check, texture_keys, validate,
+    BsdfDesc, Dispersion, MaterialDesc, MediumDesc, MicrofacetsDesc, ThinFilmDesc, material_check, photometric,
+    spectrum_keys, texture_check, texture_keys, validate,
 };
 use crate::spectrum::Rgb;
 use crate::{Error, Result};
@@ -203,6 +204,11 @@ trait Kind: Shared + DeserializeOwned {
     fn dispersion(&self, _path: &str) -> Result<Option<Dispersion>> {
         Ok(None)
     }
+
+    /// The film on the outer side.
+    fn film(&self, _path: &str) -> Result<Option<ThinFilmDesc>> {
+        Ok(None)
+    }
 }
 
 /// The kinds of materials, by `type`.
@@ -245,6 +251,7 @@ fn add<K: Kind>(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result
     let keys: K = json::object(raw, path)?;
     let medium = keys.medium(path)?;
     let dispersion = keys.dispersion(path)?;
+    let film = keys.film(path)?;
     let bsdf = keys.bsdf(path, builder)?;
     let survival = keys.survival(path)?;
     let SharedKeys { name, opacity, emission, luminance, temperature, spectra, textures } = keys.shared();
@@ -254,7 +261,7 @@ fn add<K: Kind>(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result
     let emission = photometric::emission(path, emission, luminance, temperature, None)?;
     let path = path.to_owned();
     let mut material =
-        MaterialDesc { name, path, bsdf, survival, medium, dispersion, opacity, emission, spectra, textures };
+        MaterialDesc { name, path, bsdf, survival, medium, dispersion, film, opacity, emission, spectra, textures };
     material_check::check(&mut material, &builder.scene.materials)?;
     texture_check::bindings(&material, &builder.scene.textures, &builder.scene.materials)?;
     builder.scene.put_material(material).map(|_| ())
@@ -284,20 +291,18 @@ pub(super) fn write(number: usize, material: &MaterialDesc, names: &Names) -> Re
         BsdfDesc::Mirror { reflectance } => raw(&Reflective::of(shared, reflectance)),
         BsdfDesc::Dielectric { ior, exterior_ior } => {
             let smooth = MicrofacetsDesc::default();
-            raw(&Refractive::of(shared, [ior, exterior_ior], &smooth, material.medium, material.dispersion.as_ref())?)
+            raw(&Refractive::of(shared, [ior, exterior_ior], &smooth, material)?)
         }
-        BsdfDesc::RoughDielectric { ior, exterior_ior, ref microfacets } => raw(&Refractive::of(
-            shared,
-            [ior, exterior_ior],
-            microfacets,
-            material.medium,
-            material.dispersion.as_ref(),
-        )?),
+        BsdfDesc::RoughDielectric { ior, exterior_ior, ref microfacets } => {
+            raw(&Refractive::of(shared, [ior, exterior_ior], microfacets, material)?)
+        }
         BsdfDesc::DiffuseTransmission { reflectance, transmittance } => {
             raw(&DiffuseTransmission::of(shared, reflectance, transmittance))
         }
         BsdfDesc::Sheen { color, roughness } => raw(&Sheen::of(shared, color, roughness)),
-        BsdfDesc::Conductor { ref conductor, ref microfacets } => raw(&Conductor::of(shared, conductor, microfacets)),
+        BsdfDesc::Conductor { ref conductor, ref microfacets } => {
+            raw(&Conductor::of(shared, conductor, microfacets, material.film.as_ref())?)
+        }
         BsdfDesc::ThinDielectric { ior, exterior_ior, transmittance, ref microfacets } => {
             raw(&ThinRefractive::of(shared, [ior, exterior_ior], transmittance, microfacets))
         }

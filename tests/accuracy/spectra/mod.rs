@@ -1,5 +1,6 @@
 //! Paths that carry wavelengths: colours as spectra, and light that is dispersed.
 
+mod films;
 mod own;
 
 use crate::common::scenes::{Job, box_inside, camera, render_scene, scene};
@@ -27,6 +28,12 @@ pub fn cases() -> Vec<Entry> {
         Entry { id: "W7", title: "dispersed photons against single wavelengths", run: photons },
         Entry { id: "W8", title: "indices and angles of rainbows", run: rainbow },
         Entry { id: "W9", title: "absorption over parts of a way", run: absorption },
+        Entry {
+            id: "W10",
+            title: "films of soap and on glass by quadrature over wavelengths",
+            run: films::dielectrics,
+        },
+        Entry { id: "W11", title: "films on metals by quadrature over wavelengths", run: films::metals },
         Entry {
             id: "W12",
             title: "spectra of lights and walls by quadrature over wavelengths",
