@@ -81,7 +81,7 @@
      NULL, NULL, NULL, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, ETD_PHOTON_KERNEL_DEFAULT, 0, ETD_PHOTON_SHARING_POWER, \
      ETD_SWITCH_DEFAULT, ETD_SWITCH_DEFAULT, 0, 0, 0, ETD_CACHE_SOURCE_PATHS, ETD_SWITCH_DEFAULT, ETD_ERROR_RELMSE, ETD_SWITCH_DEFAULT, \
      0, 0, 0, 0, ETD_RADIOSITY_SOLVER_GATHER, ETD_SWITCH_DEFAULT, ETD_SWITCH_DEFAULT, 0, \
-     ETD_ROULETTE_OWN, 0, 0, 0, 0}
+     ETD_ROULETTE_OWN, 0, 0, 0, 0, {0, 0}}
 #define ETD_PROGRESS_INIT {sizeof(etd_progress), 0, 0, 0, 0, 0, ETD_PHASE_BUILD, 0}
 #define ETD_SUMMARY_INIT {sizeof(etd_summary), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, ETD_ENDED_SAMPLES, 0}
 #define ETD_FILM_OPTIONS_INIT {sizeof(etd_film_options), 0, 0, 0, 0}
@@ -2061,6 +2061,11 @@ typedef struct etd_render_options {
      * Row of the picture that is the film's first, from 0 at the top. The film ends inside the picture.
      */
     uint32_t crop_top;
+    /**
+     * Chromaticity, x and y of CIE 1931, of the light under which white surfaces are grey in the picture; 0, 0: that of D65. Light maps and
+     * light at given points have no white.
+     */
+    double white_balance[2];
 } etd_render_options;
 
 /**

@@ -659,7 +659,7 @@ pub fn settings() -> Vec<RenderDesc> {
         filter: FilterDesc::Gaussian { sigma: third(1.0) },
         integrator: IntegratorDesc::Sppm,
         spectral: true,
-        white_balance: Some([1.0 / 3.0, 0.1]),
+        white_balance: Some([1.0 / 3.0, 0.3]),
         max_depth: Some(u32::MAX),
         shadow_rays: 3,
         roulette: RouletteDesc::File,
