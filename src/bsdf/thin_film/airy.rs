@@ -54,9 +54,10 @@ impl Stack {
         // E and F.
         let (echo, rest) = if squared > 0.0 {
             let q = squared.sqrt();
-            let (sin, cos) = (2.0 * self.phase * q).sin_cos();
-            let half = (self.phase * q).sin();
-            (Complex::new(cos, sin), Complex::new(2.0 * half * half / q, -sin / q))
+            // E = exp(2 i beta) by the sine and cosine of beta.
+            let (sin, cos) = (self.phase * q).sin_cos();
+            let (real, imaginary) = (2.0 * sin * sin, 2.0 * sin * cos);
+            (Complex::new(1.0 - real, imaginary), Complex::new(real / q, -imaginary / q))
         } else if squared < 0.0 {
             let q = (-squared).sqrt();
             let decay = -2.0 * self.phase * q;

@@ -6,12 +6,12 @@ use crate::spectrum::{Illuminant, REC_709_FROM_XYZ, Rgb, VISIBLE, color_matching
 /// Number of cosines of a table, at equal distances from 0 to 1.
 const COSINES: usize = 1024;
 
-/// Numbers of wavelengths of the quadrature. There are eight for each fringe between the ends of the spectrum where that is
-/// possible, and never fewer than twice the number of fringes.
-const WAVELENGTHS: [usize; 2] = [1024, 8192];
+/// Smallest and greatest number of wavelengths of the quadrature. Films of an optical thickness of up to 30 micrometres have as many
+/// for each fringe as [`PER_FRINGE`] says; the thickest of the highest index still have more than two.
+const WAVELENGTHS: [usize; 2] = [512, 8192];
 
-/// Greatest number of fringes of which each has eight wavelengths.
-const PER_FRINGE: f64 = 8.0;
+/// Number of wavelengths for each fringe between the ends of the spectrum. Near grazing incidence, fringes are sharp.
+const PER_FRINGE: f64 = 80.0;
 
 /// A reflectance by the cosine of the angle of incidence, linear between 1024 cosines.
 ///

@@ -3,7 +3,7 @@
 use super::{build, channels, white};
 use crate::common::scenes::{Job, add, box_inside, camera, render_scene, scene};
 use crate::record::Case;
-use crate::transport::{MESH, glass, pick, plane};
+use crate::transport::{MESH, ball, glass, pick, plane};
 use etendue::desc::{
     BsdfDesc, ConductorDesc, Dispersion, IntegratorDesc, MediumDesc, MicrofacetsDesc, RenderDesc, SceneDesc,
     ThinFilmDesc,
@@ -125,6 +125,22 @@ pub fn dielectrics(case: &mut Case) {
         let film = reflectance(1.0, n, coat, [ior, 0.0], at);
         (1.0 - bare) * (1.0 - film) / (1.0 - bare * film) / (ior * ior)
     });
+    // In an even light no film is seen, whatever it does with light, by photons too.
+    let view = camera(DVec3::new(0.0, 0.0, 3.0), DVec3::ZERO, 25.0);
+    let mut desc =
+        scene(view, vec![(ball(DVec3::ZERO, 1.0), glass(1.5, 1.0), None), (MESH, BsdfDesc::Black, Some(Rgb::ONE))]);
+    desc.meshes.push(box_inside(DVec3::splat(-9.0), DVec3::splat(9.0)).into());
+    desc.materials[0].film = Some(coat);
+    let furnace = build(&desc);
+    for integrator in [IntegratorDesc::Caustic, IntegratorDesc::Sppm] {
+        // A pass has its own wavelengths for all pixels: the error falls with the number of passes.
+        let job = Job { resolution: [8, 8], samples: case.count(1024, 8192) as u32, integrator, ..Job::default() };
+        let image = render_scene(&furnace, RenderDesc { spectral: true, ..job.desc() }).0;
+        for (channel, found) in channels(&image).into_iter().enumerate() {
+            let what = format!("a ball in a furnace, {}, channel {channel}", integrator.name());
+            case.biased_mean(what, found, 1.0, (pick(case, 4e-3, 1e-3), pick(case, 8e-3, 3e-3)));
+        }
+    }
     // A film on glass that disperses light: each wavelength has its own index on both sides of the sum.
     let dispersion = Dispersion::Abbe(15.0);
     let mut desc = sheet(glass(1.7, 1.0), coat, 30.0, true, false);
