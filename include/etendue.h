@@ -2630,6 +2630,38 @@ typedef struct etd_sky {
 } etd_sky;
 
 /**
+ * A spectrum. Illuminants and daylight as light are of luminance 1, which is 683 cd m^-2 for a radiance of 1; black bodies and samples
+ * are absolute, for a radiance in W m^-2 sr^-1 nm^-1.
+ */
+typedef struct etd_spectrum {
+    /**
+     * `sizeof(etd_spectrum)`.
+     */
+    size_t struct_size;
+    /**
+     * What says how it is.
+     */
+    etd_spectrum_kind kind;
+    /**
+     * With `ETD_SPECTRUM_ILLUMINANT`: which one.
+     */
+    etd_illuminant illuminant;
+    /**
+     * Temperature in kelvin: of daylight in [4000, 25000], of a black body in [500, 1000000].
+     */
+    double temperature;
+    /**
+     * With `ETD_SPECTRUM_SAMPLES`: pairs of a wavelength, nm, in growing order, and a value of 0 or more, which are copied. Between them
+     * the spectrum is linear; light is 0 outside, and everything else as at the nearest sample. `etd_scene_get_spectrum` sets it to NULL.
+     */
+    const double *samples;
+    /**
+     * Number of pairs.
+     */
+    size_t sample_count;
+} etd_spectrum;
+
+/**
  * The properties of a surface other than its shape.
  */
 typedef struct etd_surface {
@@ -3842,6 +3874,31 @@ etd_status etd_sun_direction(double latitude_deg,
                              double longitude_deg,
                              double seconds,
                              double *out_direction);
+
+/**
+ * Gives a light, an emission or a parameter of a material a spectrum of its own, or takes it away where `spectrum` is NULL, which leaves
+ * the colour that the spectrum had. Renders in wavelengths use it, and others its colour. A light keeps its luminance; a surface or a
+ * material without an emission gets the radiance that the spectrum says, and 1 of an illuminant.
+ *
+ * `number`: of the surface, light or material; 0 for the environment. `etd_scene_set_material` takes the spectra of a material away.
+ *
+ * Errors: `ETD_INVALID_SCENE` for samples that are no spectrum, for light that no one sees, for values out of the range of the parameter,
+ * and for a parameter that the material does not have; `ETD_UNSUPPORTED` for a sky by a formula and for a shape that cannot emit.
+ * Thread-safe.
+ */
+etd_status etd_scene_set_spectrum(struct etd_scene *scene,
+                                  etd_spectrum_target target,
+                                  uint32_t number,
+                                  const struct etd_spectrum *spectrum);
+
+/**
+ * Returns the spectrum that a light, an emission or a parameter of a material has, without its samples, of which `sample_count` is the
+ * number. Errors: `ETD_INVALID_ARGUMENT` for one that has none of its own. Thread-safe.
+ */
+etd_status etd_scene_get_spectrum(const struct etd_scene *scene,
+                                  etd_spectrum_target target,
+                                  uint32_t number,
+                                  struct etd_spectrum *out_spectrum);
 
 /**
  * Returns the parameters of a principled material as described now.

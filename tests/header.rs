@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 
 /// The files of the C interface, in the order in which the header presents them.
-const SOURCES: [&str; 31] = [
+const SOURCES: [&str; 33] = [
     "status.rs",
     "last_error.rs",
     "types/mod.rs",
@@ -13,6 +13,7 @@ const SOURCES: [&str; 31] = [
     "types/texture.rs",
     "types/scene.rs",
     "types/sky.rs",
+    "types/spectrum.rs",
     "types/light.rs",
     "types/motion.rs",
     "types/render.rs",
@@ -26,6 +27,7 @@ const SOURCES: [&str; 31] = [
     "light.rs",
     "environment.rs",
     "sky.rs",
+    "spectrum.rs",
     "material.rs",
     "surface.rs",
     "mesh.rs",

@@ -52,6 +52,7 @@ pub use motion::*;
 pub use query::*;
 pub use scene::*;
 pub use sky::*;
+pub use spectrum::*;
 pub use status::*;
 pub use surface::*;
 pub use task::*;
