@@ -4,7 +4,7 @@ use super::complex::Complex;
 use crate::math::Vec3;
 
 /// The wavelengths \[nm\] that stand for red, green and blue.
-const CHANNELS: [f64; 3] = [610.0, 550.0, 465.0];
+const CHANNELS: [f64; 3] = [650.0, 550.0, 450.0];
 
 /// The complex index n + ik at a wavelength \[nm\] of a metal whose index is known per channel: linear between the wavelengths that
 /// stand for the channels, and constant beyond them. An infinite k makes it infinite up to the next channel.

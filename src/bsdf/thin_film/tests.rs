@@ -316,11 +316,11 @@ fn the_index_of_a_metal_is_linear_between_its_channels() {
     let (eta, k) = (Vec3::new(1.0, 2.0, 4.0), Vec3::new(3.0, 5.0, f32::INFINITY));
     for (nanometres, n, k_expected) in [
         (700.0, 1.0, 3.0),
-        (610.0, 1.0, 3.0),
-        (580.0, 1.5, 4.0),
+        (650.0, 1.0, 3.0),
+        (600.0, 1.5, 4.0),
         (550.0, 2.0, 5.0),
-        (507.5, 3.0, f64::INFINITY),
-        (465.0, 4.0, f64::INFINITY),
+        (500.0, 3.0, f64::INFINITY),
+        (450.0, 4.0, f64::INFINITY),
         (400.0, 4.0, f64::INFINITY),
     ] {
         assert_eq!(complex_index_at(eta, k, nanometres), Complex::new(n, k_expected), "{nanometres}");

@@ -162,7 +162,7 @@ pub fn dielectrics(case: &mut Case) {
 /// Oxides on a metal, smooth and nearly so, in an even light.
 pub fn metals(case: &mut Case) {
     let (eta, k) = ([2.8_f32, 2.5, 1.9], [3.3_f32, 3.0, 2.7]);
-    let channels = [610.0, 550.0, 465.0];
+    let channels = [650.0, 550.0, 450.0];
     let metal = |at: f64| {
         let place = |lower: usize, upper: usize, part: [f32; 3]| {
             let share = (at - channels[lower]) / (channels[upper] - channels[lower]);
