@@ -337,7 +337,7 @@ fn photons(case: &mut Case) {
     for integrator in [IntegratorDesc::Path, IntegratorDesc::Caustic, IntegratorDesc::Sppm] {
         let samples = if integrator == IntegratorDesc::Path { samples * 32 } else { samples };
         // Passes share wavelengths: their spread is found from runs of different seeds.
-        let runs = 8;
+        let runs = case.count(5, 8) as usize;
         let mut means = vec![[0.0; 3]; runs];
         for (run, mean) in means.iter_mut().enumerate() {
             let seed = 7 + run as u64;
