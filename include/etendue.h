@@ -86,7 +86,7 @@
 #define ETD_SUMMARY_INIT {sizeof(etd_summary), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, ETD_ENDED_SAMPLES, 0}
 #define ETD_FILM_OPTIONS_INIT {sizeof(etd_film_options), 0, 0, 0, 0}
 #define ETD_MAP_INIT {sizeof(etd_map), NULL, 0, 0, 0, 0, 0}
-#define ETD_IMAGE_OPTIONS_INIT {sizeof(etd_image_options), ETD_FORMAT_FLOAT, ETD_TONE_MAP_CLAMP, 0, 0, NULL}
+#define ETD_IMAGE_OPTIONS_INIT {sizeof(etd_image_options), ETD_FORMAT_FLOAT, ETD_TONE_MAP_CLAMP, 0, 0, NULL, ETD_PRIMARIES_REC709, 0}
 #define ETD_ATLAS_OPTIONS_INIT {sizeof(etd_atlas_options), 0, 0, 0, 0, ETD_ATLAS_LAYOUT_AUTO, 0, 0, NULL, NULL}
 #define ETD_ATLAS_INFO_INIT {sizeof(etd_atlas_info), 0, 0, 0, 0, 0, 0, 0, 0}
 #define ETD_BAKE_TARGET_INIT {sizeof(etd_bake_target), NULL, NULL, 0, 0, 0, ETD_SIDE_FRONT, 0}
@@ -1548,6 +1548,39 @@ enum etd_spectrum_target
 typedef enum etd_spectrum_target etd_spectrum_target;
 #else
 typedef uint32_t etd_spectrum_target;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * The primaries of linear colours in a file.
+ */
+enum etd_primaries
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * Rec. 709, white D65.
+     */
+    ETD_PRIMARIES_REC709 = 0,
+    /**
+     * Rec. 2020, white D65.
+     */
+    ETD_PRIMARIES_REC2020 = 1,
+    /**
+     * ACEScg, to whose white colours are adapted from D65.
+     */
+    ETD_PRIMARIES_ACESCG = 2,
+    /**
+     * Tristimulus values of CIE 1931; Y is the luminance.
+     */
+    ETD_PRIMARIES_XYZ = 3,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum etd_primaries etd_primaries;
+#else
+typedef uint32_t etd_primaries;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -3129,6 +3162,14 @@ typedef struct etd_image_options {
      * Text for the `comments` attribute of an EXR, UTF-8; NULL: none. Only `etd_film_write` uses it.
      */
     const char *comments;
+    /**
+     * An `etd_primaries`: those of an EXR or PFM. Only `etd_film_write` uses it.
+     */
+    etd_primaries primaries;
+    /**
+     * 0.
+     */
+    uint32_t reserved;
 } etd_image_options;
 
 /**

@@ -15,6 +15,7 @@ use etendue::film::ErrorMeasure;
 use etendue::math::DVec3;
 use etendue::output::ToneMap;
 use etendue::render::{MAX_THREADS, MOST_SAMPLES};
+use etendue::spectrum::Primaries;
 
 /// Physically based rendering of scene files.
 ///
@@ -174,6 +175,9 @@ pub struct RenderArgs {
     /// How radiance becomes brightness in a PNG.
     #[arg(long, value_enum, default_value_t = Tone::Clamp)]
     pub tone_map: Tone,
+    /// Primaries of the colours of an EXR or PFM; a PNG is always sRGB.
+    #[arg(long, value_enum, default_value_t = Space::Rec709)]
+    pub primaries: Space,
     /// Brightness of a PNG in stops: 1 doubles it.
     #[arg(long, value_name = "STOPS", default_value_t = 0.0)]
     #[arg(allow_negative_numbers = true, value_parser = parse_exposure)]
@@ -591,6 +595,30 @@ pub enum Tone {
     Reinhard,
     /// A film-like curve.
     Aces,
+}
+
+/// The primaries of colours in a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Space {
+    /// Rec. 709, white D65.
+    Rec709,
+    /// Rec. 2020, white D65.
+    Rec2020,
+    /// ACEScg, adapted to its white.
+    Acescg,
+    /// Tristimulus values of CIE 1931.
+    Xyz,
+}
+
+impl From<Space> for Primaries {
+    fn from(space: Space) -> Self {
+        match space {
+            Space::Rec709 => Self::Rec709,
+            Space::Rec2020 => Self::Rec2020,
+            Space::Acescg => Self::AcesCg,
+            Space::Xyz => Self::Xyz,
+        }
+    }
 }
 
 impl From<Tone> for ToneMap {

@@ -307,6 +307,7 @@ fn write_all(
     let options = WriteOptions {
         tone_map: args.tone_map.into(),
         exposure: args.exposure,
+        primaries: args.primaries.into(),
         comments,
         attributes,
         threads: args.threads,

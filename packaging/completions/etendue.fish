@@ -94,6 +94,10 @@ complete -c etendue -n "__fish_etendue_using_subcommand render" -l tone-map -d '
 clamp\t'1 is white, and so is all above'
 reinhard\t'x / (1 + x)'
 aces\t'A film-like curve'"
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l primaries -d 'Primaries of the colours of an EXR or PFM; a PNG is always sRGB' -r -f -a "rec709\t'Rec. 709, white D65'
+rec2020\t'Rec. 2020, white D65'
+acescg\t'ACEScg, adapted to its white'
+xyz\t'Tristimulus values of CIE 1931'"
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l exposure -d 'Brightness of a PNG in stops: 1 doubles it' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l progressive -d 'Rewrite the images after each pass'
 complete -c etendue -n "__fish_etendue_using_subcommand render" -s q -l quiet -d 'No progress and no summary; warnings and errors stay'

@@ -19,6 +19,7 @@ use crate::desc::MAX_PIXELS;
 use crate::embree::Charge;
 use crate::film::{Film, Image, LayerKind, TILE, pixel_bytes};
 use crate::output::{self, Attribute, ToneMap, WriteOptions};
+use crate::spectrum::Primaries;
 
 /// The layers besides the colour that are images.
 const LAYERS: [(etd_layer, LayerKind); 7] = [
@@ -487,6 +488,7 @@ pub unsafe extern "C" fn etd_film_write(
             let options = WriteOptions {
                 tone_map: read::tone_map(it.tone_map)?,
                 exposure: it.exposure,
+                primaries: primaries(it.primaries)?,
                 comments: comments.to_owned(),
                 attributes,
                 threads: film.device.build_threads,
@@ -523,6 +525,8 @@ unsafe fn read_image_options(options: *const etd_image_options) -> Result<etd_im
         exposure: 0.0,
         bottom_up: 0,
         comments: std::ptr::null(),
+        primaries: 0,
+        reserved: 0,
     };
     // SAFETY: the caller keeps this function's contract.
     let it = if options.is_null() { defaults } else { unsafe { read_sized(options, "options") }? };
@@ -531,6 +535,17 @@ unsafe fn read_image_options(options: *const etd_image_options) -> Result<etd_im
         return Err(Failure::argument(message));
     }
     Ok(it)
+}
+
+/// The primaries of this number.
+fn primaries(number: u32) -> Result<Primaries> {
+    use etd_primaries::*;
+    Ok(match read::enumeration("options.primaries", number)? {
+        ETD_PRIMARIES_REC709 => Primaries::Rec709,
+        ETD_PRIMARIES_REC2020 => Primaries::Rec2020,
+        ETD_PRIMARIES_ACESCG => Primaries::AcesCg,
+        ETD_PRIMARIES_XYZ => Primaries::Xyz,
+    })
 }
 
 /// Converts the colour to sRGB bytes.

@@ -25,6 +25,7 @@ use ::exr::prelude::Vec2;
 use super::check::{MAX_PIXELS, check_size, damaged};
 use super::dwa;
 use super::pixels::{Image, Layer, Placement};
+use crate::spectrum::Primaries;
 use crate::{Error, ErrorKind, Result};
 
 /// Most values of all channels of all parts of a file together: 4 GiB.
@@ -52,15 +53,25 @@ pub enum Attribute {
     Text(String),
 }
 
-/// Writes all channels as 32-bit floats, compressed by so many threads. `image` has been checked. `comments` and `attributes` go
-/// into the header; attributes that are not finite are left out.
+/// What a header says beside what the image says.
+#[derive(Clone, Copy)]
+pub(crate) struct Heading<'a> {
+    /// Free text; empty for none.
+    pub comments: &'a str,
+    /// Further attributes; those that are not finite are left out.
+    pub attributes: &'a [(String, Attribute)],
+    /// The primaries of the image's colours.
+    pub primaries: Primaries,
+}
+
+/// Writes all channels as 32-bit floats, compressed by so many threads. `image` has been checked.
 pub(crate) fn encode(
     image: &Image,
-    comments: &str,
-    attributes: &[(String, Attribute)],
+    heading: &Heading<'_>,
     threads: usize,
     file: &mut BufWriter<&mut File>,
 ) -> Result<()> {
+    let &Heading { comments, attributes, primaries } = heading;
     let plane = |data: &[f32], channels: usize, channel: usize| {
         FlatSamples::F32(data.iter().skip(channel).step_by(channels).copied().collect())
     };
@@ -81,7 +92,8 @@ pub(crate) fn encode(
         other: attributes.iter().filter_map(attribute).collect(),
         ..LayerAttributes::default()
     };
-    encode_layer(channels, [image.width, image.height], image.placement, attributes, threads, file)
+    let size = [image.width, image.height];
+    encode_layer(channels, (size, image.placement), (attributes, primaries), threads, file)
 }
 
 /// Writes channels as they are, compressed without loss by so many threads.
@@ -91,14 +103,13 @@ pub(crate) fn encode_channels(
     threads: usize,
     file: &mut BufWriter<&mut File>,
 ) -> Result<()> {
-    encode_layer(channels, size, None, LayerAttributes::default(), threads, file)
+    encode_layer(channels, (size, None), (LayerAttributes::default(), Primaries::Rec709), threads, file)
 }
 
 fn encode_layer(
     channels: Vec<AnyChannel<FlatSamples>>,
-    [width, height]: [u32; 2],
-    placement: Option<Placement>,
-    mut attributes: LayerAttributes,
+    ([width, height], placement): ([u32; 2], Option<Placement>),
+    (mut attributes, primaries): (LayerAttributes, Primaries),
     threads: usize,
     file: &mut BufWriter<&mut File>,
 ) -> Result<()> {
@@ -116,12 +127,8 @@ fn encode_layer(
             IntegerBounds { position: Vec2(0, 0), size: Vec2(width as usize, height as usize) };
         file_image.attributes.pixel_aspect = pixel_aspect;
     }
-    file_image.attributes.chromaticities = Some(Chromaticities {
-        red: Vec2(0.64, 0.33),
-        green: Vec2(0.30, 0.60),
-        blue: Vec2(0.15, 0.06),
-        white: Vec2(0.3127, 0.3290),
-    });
+    let [red, green, blue, white] = primaries.chromaticities().map(|[x, y]| Vec2(x, y));
+    file_image.attributes.chromaticities = Some(Chromaticities { red, green, blue, white });
     let headers = file_image.write().infer_meta_data();
     let layers = file_image.layer_data.create_writer(&headers);
     ::exr::block::write(&mut *file, headers, true, |meta, chunks| {

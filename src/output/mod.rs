@@ -36,6 +36,8 @@ use std::path::Path;
 use std::thread;
 
 use crate::image::{Image, check_image, exr, pfm, png};
+use crate::math::DVec3;
+use crate::spectrum::Primaries;
 use crate::{Error, ErrorKind, Result, replace};
 
 pub use crate::image::{Attribute, Format, MAX_PIXELS, read};
@@ -55,6 +57,9 @@ pub struct WriteOptions {
     pub tone_map: ToneMap,
     /// Factor 2^exposure before the tone map, in stops within [-64, 64]. PNG only.
     pub exposure: f32,
+    /// The primaries of the colours of an EXR or PFM, and of the layer `albedo`; other layers, such as `variance`, stay those of Rec. 709. A
+    /// PNG is always sRGB.
+    pub primaries: Primaries,
     /// Free text for the `comments` attribute of an EXR, UTF-8; empty for none.
     pub comments: String,
     /// Further attributes of an EXR by name, such as [`summary_attributes`]; those that are not finite are left out.
@@ -80,14 +85,41 @@ pub fn write(image: &Image, path: &Path, options: &WriteOptions) -> Result<()> {
         threads => threads,
     }
     .min(MAX_THREADS);
+    let converted = match (options.primaries, format) {
+        (Primaries::Rec709, _) | (_, Format::Png) => None,
+        (primaries, _) => Some(in_primaries(image, primaries)),
+    };
+    let image = converted.as_ref().unwrap_or(image);
     replace::replace(path, "the image", |file| match format {
-        Format::Exr => exr::encode(image, &options.comments, &options.attributes, threads, file),
+        Format::Exr => {
+            let heading = exr::Heading {
+                comments: &options.comments,
+                attributes: &options.attributes,
+                primaries: options.primaries,
+            };
+            exr::encode(image, &heading, threads, file)
+        }
         Format::Pfm => pfm::encode(image, file),
         Format::Png => {
             let pixels = to_srgb8(image, options.tone_map, options.exposure)?;
             png::encode(&pixels, [image.width, image.height], file)
         }
     })
+}
+
+/// The image with its colours in these primaries.
+fn in_primaries(image: &Image, primaries: Primaries) -> Image {
+    let matrix = primaries.from_rec_709();
+    let convert = |colors: &mut Vec<f32>| {
+        for color in colors.chunks_exact_mut(3) {
+            let seen = DVec3::new(color[0].into(), color[1].into(), color[2].into());
+            color.copy_from_slice(&(matrix * seen).as_vec3().to_array());
+        }
+    };
+    let mut image = image.clone();
+    convert(&mut image.rgb);
+    image.layers.iter_mut().filter(|layer| layer.name == "albedo").for_each(|layer| convert(&mut layer.data));
+    image
 }
 
 /// Writes a text file as [`write()`] writes images: it appears whole or not at all.

@@ -103,6 +103,11 @@ static void enumerations(void) {
     ENUM(etd_sharing);
     VALUE(ETD_COPY);
     VALUE(ETD_SHARE);
+    ENUM(etd_primaries);
+    VALUE(ETD_PRIMARIES_REC709);
+    VALUE(ETD_PRIMARIES_REC2020);
+    VALUE(ETD_PRIMARIES_ACESCG);
+    VALUE(ETD_PRIMARIES_XYZ);
     ENUM(etd_spectrum_kind);
     VALUE(ETD_SPECTRUM_SAMPLES);
     VALUE(ETD_SPECTRUM_ILLUMINANT);
@@ -602,6 +607,8 @@ static void structures(void) {
     FIELD(etd_image_options, exposure);
     FIELD(etd_image_options, bottom_up);
     FIELD(etd_image_options, comments);
+    FIELD(etd_image_options, primaries);
+    FIELD(etd_image_options, reserved);
     STRUCT(etd_summary);
     FIELD(etd_summary, struct_size);
     FIELD(etd_summary, elapsed);

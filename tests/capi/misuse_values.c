@@ -509,6 +509,11 @@ static etd_status e_tone_map_write(uint32_t value) {
     options.tone_map = value;
     return etd_film_write(film, "misuse.png", &options);
 }
+static etd_status e_primaries_write(uint32_t value) {
+    etd_image_options options = ETD_IMAGE_OPTIONS_INIT;
+    options.primaries = value;
+    return etd_film_write(film, "misuse.png", &options);
+}
 static etd_status e_text(uint32_t value) {
     size_t needed = 0;
     return etd_scene_copy_text(scene, value, NULL, 0, &needed);
@@ -550,6 +555,7 @@ static void pass_wrong_enumerations(void) {
         {"format", e_format, ETD_FORMAT_RGBA8},
         {"tone_map of a copy", e_tone_map_copy, ETD_TONE_MAP_ACES},
         {"tone_map of a file", e_tone_map_write, ETD_TONE_MAP_ACES},
+        {"primaries of a file", e_primaries_write, ETD_PRIMARIES_XYZ},
         {"text", e_text, ETD_TEXT_WARNINGS},
     };
     static const uint32_t layers[] = {0, 3, ETD_LAYER_ALPHA, 129, 512, UINT32_MAX};

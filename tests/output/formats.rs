@@ -5,8 +5,9 @@ use std::path::Path;
 
 use etendue::ErrorKind;
 use etendue::film::{Image, Placement};
+use etendue::math::DVec3;
 use etendue::output::{self, Attribute, Format, ToneMap, WriteOptions};
-use etendue::spectrum::srgb_encode;
+use etendue::spectrum::{Primaries, srgb_encode};
 
 use super::{Words, arbitrary_image, assert_same_bits, folder};
 
@@ -66,6 +67,38 @@ fn exr_names_channels_and_states_its_origin() {
     let comments = header.own_attributes.comments.as_ref().unwrap();
     assert_eq!(comments.as_slice(), "Étendue: seed 7".as_bytes());
     assert_eq!(header.shared_attributes.chromaticities.unwrap().red, exr::math::Vec2(0.64, 0.33));
+}
+
+/// Colours of files in other primaries are those of the image by the matrix, and the header states the primaries.
+#[test]
+fn colours_are_written_in_other_primaries() {
+    let folder = folder();
+    let image = arbitrary_image(3, 2, true, 2);
+    for (name, primaries) in Primaries::ALL {
+        let options = WriteOptions { primaries, ..WriteOptions::default() };
+        let matrix = primaries.from_rec_709();
+        for extension in ["exr", "pfm", "png"] {
+            let path = folder.path().join(format!("{name}.{extension}"));
+            output::write(&image, &path, &options).unwrap();
+            let found = output::read(&path).unwrap();
+            if extension == "png" {
+                let plain = folder.path().join("plain.png");
+                output::write(&image, &plain, &WriteOptions::default()).unwrap();
+                assert_eq!(found, output::read(&plain).unwrap());
+                continue;
+            }
+            for (found, original) in found.rgb.chunks_exact(3).zip(image.rgb.chunks_exact(3)) {
+                let expected = matrix * DVec3::new(original[0].into(), original[1].into(), original[2].into());
+                for (found, expected) in found.iter().zip(expected.to_array()) {
+                    let close = (f64::from(*found) - expected).abs() <= 1e-6 * expected.abs().max(1e-30);
+                    assert!(close || !expected.is_finite() || primaries == Primaries::Rec709, "{name}: {found}");
+                }
+            }
+        }
+        let meta = exr::meta::MetaData::read_from_file(folder.path().join(format!("{name}.exr")), true).unwrap();
+        let [red, ..] = primaries.chromaticities();
+        assert_eq!(meta.headers[0].shared_attributes.chromaticities.unwrap().red, exr::math::Vec2(red[0], red[1]));
+    }
 }
 
 #[test]

@@ -2,8 +2,8 @@
 
 use std::ffi::c_char;
 
-use super::numbers::{EtdFormat, EtdToneMap};
-pub use {etd_format::*, etd_layer::*, etd_tone_map::*};
+use super::numbers::{EtdFormat, EtdPrimaries, EtdToneMap};
+pub use {etd_format::*, etd_layer::*, etd_primaries::*, etd_tone_map::*};
 
 /// A layer of a film. The values are bits, whose combination names the layers that a film keeps.
 #[repr(u32)]
@@ -112,9 +112,28 @@ pub struct etd_image_options {
     pub bottom_up: u32,
     /// Text for the `comments` attribute of an EXR, UTF-8; NULL: none. Only `etd_film_write` uses it.
     pub comments: *const c_char,
+    /// An `etd_primaries`: those of an EXR or PFM. Only `etd_film_write` uses it.
+    pub primaries: EtdPrimaries,
+    /// 0.
+    pub reserved: u32,
+}
+
+/// The primaries of linear colours in a file.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum etd_primaries {
+    /// Rec. 709, white D65.
+    ETD_PRIMARIES_REC709 = 0,
+    /// Rec. 2020, white D65.
+    ETD_PRIMARIES_REC2020 = 1,
+    /// ACEScg, to whose white colours are adapted from D65.
+    ETD_PRIMARIES_ACESCG = 2,
+    /// Tristimulus values of CIE 1931; Y is the luminance.
+    ETD_PRIMARIES_XYZ = 3,
 }
 
 enumerations! {
+    etd_primaries: ETD_PRIMARIES_REC709, ETD_PRIMARIES_REC2020, ETD_PRIMARIES_ACESCG, ETD_PRIMARIES_XYZ;
     etd_format: ETD_FORMAT_FLOAT, ETD_FORMAT_RGB_FLOAT, ETD_FORMAT_RGB8, ETD_FORMAT_RGBA8;
     etd_tone_map: ETD_TONE_MAP_CLAMP, ETD_TONE_MAP_MAXIMUM, ETD_TONE_MAP_REINHARD, ETD_TONE_MAP_ACES;
 }

@@ -146,6 +146,8 @@ mod numbers {
     pub type EtdIlluminant = u32;
     /// The enumeration of this name, as a number.
     pub type EtdSpectrumTarget = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdPrimaries = u32;
 }
 pub use numbers::*;
 
