@@ -2,16 +2,21 @@
 
 mod common;
 
+use std::ops::ControlFlow;
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Sub, SubAssign};
 use std::sync::Arc;
 
 use common::scenes::{box_inside, camera, point_light, scene};
 use etendue::Alone;
 use etendue::camera::Camera;
-use etendue::desc::{BsdfDesc, IntegratorDesc, SceneDesc, ShapeDesc};
+use etendue::desc::{
+    BsdfDesc, DistantLightDesc, IntegratorDesc, RenderDesc, SceneDesc, ShapeDesc, SpectrumDesc, SpectrumKey,
+    SpectrumTarget,
+};
 use etendue::integrator::photon::Plan;
 use etendue::integrator::{Context, Direct, Path, SceneTracer, Transport, Whitted};
 use etendue::math::DVec3;
+use etendue::render::{Render, RenderSettings};
 use etendue::sampling::{Sampler as _, SobolSampler};
 use etendue::scene::{BuildOptions, Scene};
 use etendue::spectrum::{Rgb, Spectrum};
@@ -260,4 +265,68 @@ fn maps_with_one_set_of_wavelengths_for_the_whole_image_are_refused() {
         let error = plan.gather_in_spectrum(0, &mut Alone::default()).unwrap_err();
         assert_eq!(error.kind(), etendue::ErrorKind::Unsupported, "{method:?}: {error}");
     }
+}
+
+/// An edited spectrum shows in the picture of a scene that is rebuilt, and `info` says how many there are.
+#[test]
+fn spectra_are_edited() {
+    let mut desc = scene(
+        camera(DVec3::new(0.0, 0.0, 3.0), DVec3::ZERO, 30.0),
+        vec![(
+            ShapeDesc::sphere(DVec3::ZERO, 0.9).unwrap().0,
+            BsdfDesc::Lambert { albedo: Rgb::splat(0.5) },
+            Some(Rgb::splat(0.25)),
+        )],
+    );
+    desc.lights.push(point_light(DVec3::new(2.0, 2.0, 3.0), 9.0));
+    desc.add_distant_light(DistantLightDesc::parallel(DVec3::Z, Rgb::ONE)).unwrap();
+    desc.set_environment(Some(Rgb::splat(0.25))).unwrap();
+    let picture = |scene: &Scene| {
+        let desc = RenderDesc { resolution: [6, 6], samples: 4, spectral: true, ..RenderDesc::default() };
+        let settings = RenderSettings { desc, threads: 1, ..RenderSettings::default() };
+        let mut render = Render::new(scene, settings).unwrap();
+        render.run(&mut |_| ControlFlow::Continue(())).unwrap();
+        render.image().rgb
+    };
+    let options = BuildOptions::default();
+    let mut built = Scene::build(&desc, &options).unwrap();
+    let mut before = picture(&built);
+    let ramp = || SpectrumDesc::samples("", [[400.0, 0.9], [700.0, 0.1]]).unwrap();
+    for (number, of) in [
+        SpectrumTarget::PointLight(0),
+        SpectrumTarget::DistantLight(0),
+        SpectrumTarget::Environment,
+        SpectrumTarget::Surface(0),
+        SpectrumTarget::Material(0, SpectrumKey::Color),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        for spectrum in [SpectrumDesc::BlackBody(2500.0), ramp()] {
+            if matches!(of, SpectrumTarget::Material(..)) && !matches!(spectrum, SpectrumDesc::Samples(_)) {
+                assert!(desc.set_spectrum(of, Some(spectrum)).is_err());
+                continue;
+            }
+            desc.set_spectrum(of, Some(spectrum.clone())).unwrap();
+            assert_eq!(desc.spectrum(of), Some(&spectrum));
+            built = built.rebuild(&desc, &options).unwrap();
+            let after = picture(&built);
+            assert!(after != before, "{of:?}: the picture is the old one");
+            assert_eq!(after, picture(&Scene::build(&desc, &options).unwrap()), "{of:?}");
+            before = after;
+        }
+        let lamps = (number + 1).min(4);
+        let expected = format!("{lamps} emitters and {} materials have spectra", number / 4);
+        assert!(built.info().to_string().contains(&expected), "{}", built.info());
+    }
+    // Taken away again, the colours stay and the spectra do not.
+    let colors = (desc.lights[0].intensity, desc.surfaces[0].emission);
+    desc.set_spectrum(SpectrumTarget::PointLight(0), None).unwrap();
+    desc.set_spectrum(SpectrumTarget::Surface(0), None).unwrap();
+    assert_eq!((desc.lights[0].intensity, desc.surfaces[0].emission), colors);
+    let after = picture(&built.rebuild(&desc, &options).unwrap());
+    assert!(after != before);
+    assert_eq!(after, picture(&Scene::build(&desc, &options).unwrap()));
+    assert!(desc.set_spectrum(SpectrumTarget::PointLight(7), None).is_err());
+    assert!(desc.set_spectrum(SpectrumTarget::Material(0, SpectrumKey::Eta), Some(ramp())).is_err());
 }

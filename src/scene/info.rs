@@ -164,6 +164,7 @@ impl SceneInfo {
                 "{shaped} surfaces shine by a photometric web, whose intensities over area and cosine are their radiance"
             ));
         }
+        decisions.extend(spectra(desc, emitters));
         let off = [
             (see_through == 0, "opacity"),
             (textures.len() == 0, "textures"),
@@ -335,6 +336,16 @@ pub(super) fn warnings(
         warnings.push(format!("nothing in the scene emits light: {black}"));
     }
     warnings
+}
+
+/// What is known by the wavelength.
+fn spectra(desc: &SceneDesc, emitters: &EmitterSet) -> Option<String> {
+    let lamps = emitters.with_own_spectrum();
+    let materials = desc.materials.iter().filter(|it| !it.spectra.is_empty()).count();
+    let use_of =
+        if desc.render.spectral { "which paths carry" } else { "of which paths in three channels see the colours" };
+    (lamps + materials > 0)
+        .then(|| format!("{lamps} emitters and {materials} materials have spectra of their own, {use_of}"))
 }
 
 /// The surfaces that shine by a photometric web.
