@@ -377,6 +377,42 @@ fn spectra_are_read_in_all_forms() {
     }
 }
 
+/// In three channels, an absorption is that of the colour that it leaves, in any unit of length.
+#[test]
+fn absorption_has_its_colour_in_any_unit() {
+    let of = |spectrum: &str| {
+        let keys = format!(
+            r#""name": "m", "type": "refractive", "refractionIndex": 1.5, "spectra": {{"absorption": {spectrum}}}"#
+        );
+        native(&format!("\"materials\": [{{{keys}}}]")).materials[0].medium.unwrap().absorption.to_array()
+    };
+    for value in [1e-9_f32, 1e-4, 0.3, 1.0, 200.0, 1e6] {
+        for channel in of(&format!("[[500, {value:e}]]")) {
+            assert!((channel / value - 1.0).abs() < 1e-4, "{value}: {channel}");
+        }
+        let ramp = |scale: f32| of(&format!("[[400, {:e}], [700, {:e}]]", scale, 3.0 * scale));
+        let (unit, scaled) = (ramp(1.0), ramp(value));
+        for (unit, scaled) in unit.into_iter().zip(scaled) {
+            assert!((scaled / value / unit - 1.0).abs() < 1e-4, "{value}: {scaled} for {unit}");
+        }
+        assert!(unit[0] > unit[1] && unit[1] > unit[2] && unit[2] > 0.9, "{unit:?}");
+    }
+    assert_eq!(of("[[500, 0]]"), [0.0; 3]);
+}
+
+/// A light outside of Rec. 709 is warned of where three channels are rendered.
+#[test]
+fn light_out_of_gamut_is_said() {
+    let of = |spectral: bool, kelvin: u32| {
+        native(&format!(
+            r#""render": {{"spectral": {spectral}}}, "lights": [{{"type": "point", "origin": [0, 0, 0], "spectrum": {{"blackBody": {kelvin}}}}}]"#
+        ))
+        .warnings
+    };
+    assert!(of(false, 1000)[0].contains("lights[0].spectrum: the colour lies outside of Rec. 709"));
+    assert!(of(true, 1000).is_empty() && of(false, 6500).is_empty());
+}
+
 #[test]
 fn a_picture_has_a_white() {
     let of = |text: &str| {
@@ -395,8 +431,8 @@ fn a_picture_has_a_white() {
     for (text, message) in [
         (r#""D56""#, "no illuminant `D56`"),
         ("500", "500 is out of range"),
-        ("[0.9, 0.5]", "no chromaticity of light"),
-        ("[0.3, 0]", "no chromaticity of light"),
+        ("[0.9, 0.5]", "no light that could be white"),
+        ("[0.3, 0]", "no light that could be white"),
         ("[0.3]", "expected"),
         (r#"{"blackBody": 3000}"#, "expected"),
     ] {
@@ -412,6 +448,11 @@ fn parameters_of_materials_may_have_spectra() {
     let scene = native(&material(&format!(r#""type": "diffuse", "spectra": {{"color": {ramp}}}"#)));
     let BsdfDesc::Lambert { albedo } = scene.materials[0].bsdf else { panic!("a Lambertian surface") };
     assert!(albedo.r() > albedo.g() && albedo.g() > albedo.b() && albedo.b() > 0.25, "{albedo:?}");
+    // Both shares of a sheet sum to less than 1 at each wavelength, though not in channels.
+    let sheet = native(&material(
+        r#""type": "diffuse-transmission", "color": [0.1, 0.1, 0.1], "spectra": {"transmittance": [[500, 0.5], [600, 0.9]]}"#,
+    ));
+    assert!(!sheet.materials[0].spectra.is_empty());
     for keys in [
         format!(r#""type": "reflective", "spectra": {{"color": {ramp}}}"#),
         format!(r#""type": "sheen", "spectra": {{"color": {ramp}}}"#),
@@ -451,7 +492,12 @@ fn parameters_of_materials_may_have_spectra() {
         (
             r#""type": "conductor", "metal": "Au", "spectra": {"eta": [[400, 0]]}"#,
             "materials[0].spectra.eta",
-            "a value is 0",
+            "0 is out of range",
+        ),
+        (
+            r#""type": "black", "luminance": 3, "temperature": 3000, "spectra": {"emission": {"blackBody": 3000}}"#,
+            "materials[0].temperature",
+            "says the colour already",
         ),
         (r#""type": "principled", "spectra": {"color": RAMP}"#, "materials[0].spectra.color", "only a diffuse"),
         (

@@ -28,6 +28,11 @@ impl FilmedDielectric {
         Self { interface: Arc::new(FilmedInterface::new(inner, outer, film)), wavelengths: () }
     }
 
+    /// This interface.
+    pub(super) fn of(interface: Arc<FilmedInterface>) -> Self {
+        Self { interface, wavelengths: () }
+    }
+
     /// As [`super::Bsdf::dispersing`].
     pub(super) fn dispersing(&self, inner: Index, outer: Index) -> Self {
         Self { interface: Arc::new(self.interface.dispersing(inner, outer)), wavelengths: () }

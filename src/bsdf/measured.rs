@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::lobes::{Lobes, TransportMode};
 use super::metal_spectrum::MetalCurves;
 use super::model::{BsdfSample, Model, SpecularLobes};
+use super::thin_film::FilmedInterface;
 use super::{Bsdf, Conductor, FilmedDielectric, FilmedMetal, Index, Lambert, Mirror};
 use crate::desc::{BsdfDesc, Dispersion, MaterialDesc, SpectrumKey, ThinFilmDesc};
 use crate::math::Vec3;
@@ -19,8 +20,8 @@ pub(crate) struct ByWavelength {
     colors: Option<Arc<[(SpectrumKey, SpectralCurve)]>>,
     /// The index of a metal.
     metal: Option<MetalCurves>,
-    /// A film on a dielectric.
-    film: Option<ThinFilmDesc>,
+    /// A film on a dielectric, as it is between the media that the description states.
+    film: Option<(ThinFilmDesc, Arc<FilmedInterface>)>,
     /// A metal with a film.
     filmed: Option<Arc<FilmedMetal>>,
 }
@@ -33,8 +34,13 @@ impl ByWavelength {
             _ => None,
         };
         let metal = conductor.and_then(|conductor| MetalCurves::new(conductor, &material.spectra));
-        let film = material.film;
-        let filmed = conductor.zip(film).map(|(it, film)| Arc::new(FilmedMetal::of(it, metal.as_ref(), film)));
+        let sides = material.bsdf.interior().map(|[ior, exterior_ior]| {
+            [Index { ior, dispersion: material.dispersion }, Index { ior: exterior_ior, dispersion: None }]
+        });
+        let film = sides
+            .zip(material.film)
+            .map(|([inner, outer], film)| (film, Arc::new(FilmedInterface::new(inner, outer, film))));
+        let filmed = conductor.zip(material.film).map(|(it, film)| Arc::new(FilmedMetal::of(it, metal.as_ref(), film)));
         let is_color = |key: SpectrumKey| matches!(key, SpectrumKey::Color | SpectrumKey::Transmittance);
         let of_colors = material.spectra.iter().filter(|(key, _)| is_color(*key));
         let colors: Arc<[_]> =
@@ -53,7 +59,8 @@ impl Bsdf {
             let inner = Index { ior, dispersion: *dispersion };
             let outer = Index { ior: around.unwrap_or(exterior_ior), dispersion: None };
             return match film {
-                Some(film) => self.filmed(inner, outer, *film),
+                Some((_, made)) if outer.ior == exterior_ior => self.filmed(Arc::clone(made)),
+                Some((film, _)) => self.filmed(Arc::new(FilmedInterface::new(inner, outer, *film))),
                 None => self.dispersing(inner, outer),
             };
         }
@@ -76,10 +83,10 @@ impl Bsdf {
     }
 
     /// The same interface between dielectrics with a thin film; other models as they are.
-    fn filmed(self, inner: Index, outer: Index, film: ThinFilmDesc) -> Self {
+    fn filmed(self, film: Arc<FilmedInterface>) -> Self {
         match self {
-            Self::Dielectric(_) => Self::FilmedDielectric(FilmedDielectric::new(inner, outer, film)),
-            Self::RoughDielectric(rough) => Self::RoughDielectric(rough.with_film(inner, outer, film)),
+            Self::Dielectric(_) => Self::FilmedDielectric(FilmedDielectric::of(film)),
+            Self::RoughDielectric(rough) => Self::RoughDielectric(rough.filmed(FilmedInterface::clone(&film))),
             other => other,
         }
     }

@@ -93,6 +93,12 @@ impl MetalCurves {
         }
     }
 
+    /// The numbers by which tables of metals are told apart.
+    pub(super) fn bits(&self) -> impl Iterator<Item = u32> {
+        let MetalSpectrum { eta, k, .. } = self.get();
+        eta.values().iter().chain(k.values()).map(|value| value.to_bits())
+    }
+
     /// n and k at a wavelength \[nm\].
     pub(super) fn index(&self, nanometres: f32) -> [f32; 2] {
         let metal = self.get();

@@ -10,7 +10,6 @@ use super::memo::memo;
 use super::microfacet::{FacetShares, Microfacets, MissingEnergy, average, choose};
 use super::model::{BsdfSample, Model};
 use super::thin_film::{FilmedInterface, Shares};
-use crate::desc::ThinFilmDesc;
 use crate::math::Vec3;
 use crate::sampling::warps;
 use crate::spectrum::{Rgb, Spectrum};
@@ -65,12 +64,8 @@ impl RoughDielectric {
         Self { eta, facets, multiple, by_channel: None, wavelengths: () }
     }
 
-    /// The same interface with a film between media with these indices.
-    pub(super) fn with_film(self, inner: Index, outer: Index, film: ThinFilmDesc) -> Self {
-        self.filmed(FilmedInterface::new(inner, outer, film))
-    }
-
-    fn filmed(self, film: FilmedInterface) -> Self {
+    /// The same interface with a film.
+    pub(super) fn filmed(self, film: FilmedInterface) -> Self {
         let multiple = self.multiple.and_then(|_| Multiple::of_film(&film, &self.facets));
         Self { multiple, by_channel: Some(Box::new(ByChannel::Film(film))), ..self }
     }

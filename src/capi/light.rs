@@ -55,8 +55,8 @@ pub unsafe extern "C" fn etd_scene_set_spot_light(
     // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
-            find(&scene.desc().lights, light, "point light")?;
-            let value = spot_light(&read_sized(spot, "spot")?);
+            let spectrum = find(&scene.desc().lights, light, "point light")?.spectrum.clone();
+            let value = PointLightDesc { spectrum, ..spot_light(&read_sized(spot, "spot")?) };
             scene.edit(|desc| desc.set_light_desc(light as usize, value))
         })
     }
@@ -134,13 +134,14 @@ pub unsafe extern "C" fn etd_scene_set_web_light(
     // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
-            find(&scene.desc().lights, light, "point light")?;
+            let spectrum = find(&scene.desc().lights, light, "point light")?.spectrum.clone();
             let it = read_sized(web, "web")?;
             let web = match contents(it.file, it.text, it.text_bytes)? {
                 Some(web) => web,
                 None => Arc::clone(&measured(find(&scene.desc().lights, light, "point light")?, light)?.web),
             };
-            scene.edit(|desc| desc.set_light_desc(light as usize, web_light(&it, web)))
+            let value = PointLightDesc { spectrum, ..web_light(&it, web) };
+            scene.edit(|desc| desc.set_light_desc(light as usize, value))
         })
     }
 }

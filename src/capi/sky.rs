@@ -49,8 +49,8 @@ pub unsafe extern "C" fn etd_scene_set_distant_light(
     // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
-            find(&scene.desc().distant_lights, light, "distant light")?;
-            let value = distant(&read_sized(value, "value")?)?;
+            let spectrum = find(&scene.desc().distant_lights, light, "distant light")?.spectrum.clone();
+            let value = DistantLightDesc { spectrum, ..distant(&read_sized(value, "value")?)? };
             scene.edit(|desc| desc.set_distant_light(light as usize, value))
         })
     }

@@ -118,11 +118,11 @@ unsafe fn described(it: &etd_spectrum) -> Result<SpectrumDesc> {
         ETD_SPECTRUM_SAMPLES => {
             // SAFETY: the caller keeps this function's contract.
             let samples = unsafe { items(it.samples.cast::<[f64; 2]>(), it.sample_count, "spectrum.samples") }?;
-            if samples.len() > crate::desc::MOST_SAMPLES {
+            if samples.len() > crate::desc::MOST_SPECTRUM_SAMPLES {
                 let message = format!(
                     "spectrum.sample_count is {}, expected {} at most",
                     samples.len(),
-                    crate::desc::MOST_SAMPLES
+                    crate::desc::MOST_SPECTRUM_SAMPLES
                 );
                 return Err(Failure::argument(message));
             }

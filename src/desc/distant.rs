@@ -2,7 +2,7 @@
 
 use super::edit::none_such;
 use super::json::join;
-use super::{SceneDesc, SpectrumDesc, validate};
+use super::{SceneDesc, SpectrumDesc, spectrum_edit, validate};
 use crate::math::DVec3;
 use crate::spectrum::Rgb;
 use crate::{Error, Result};
@@ -29,6 +29,13 @@ impl DistantLightDesc {
     /// Parallel light.
     pub fn parallel(towards: DVec3, irradiance: Rgb) -> Self {
         Self { path: String::new(), towards, irradiance, angle_deg: 0.0, visible: true, spectrum: None }
+    }
+
+    /// The checked light, with the colour of its spectrum.
+    fn dressed(self) -> Result<Self> {
+        self.check()?;
+        let irradiance = spectrum_edit::dressed(&self.path, self.spectrum.as_ref(), self.irradiance)?;
+        Ok(Self { irradiance, ..self })
     }
 
     pub(super) fn check(&self) -> Result<()> {
@@ -62,7 +69,7 @@ impl SceneDesc {
     /// [`crate::ErrorKind::InvalidScene`] at `distant[..]`: `.sun` for no direction, `.color[..]` or `.angle`.
     pub fn add_distant_light(&mut self, light: DistantLightDesc) -> Result<usize> {
         let light = DistantLightDesc { path: format!("distant[{}]", self.distant_lights.len()), ..light };
-        light.check()?;
+        let light = light.dressed()?;
         self.distant_lights.push(light);
         Ok(self.distant_lights.len() - 1)
     }
@@ -77,8 +84,7 @@ impl SceneDesc {
             return Err(none_such(&format!("distant[{number}]"), "distant light", number, count));
         };
         let light = DistantLightDesc { path: known.path.clone(), ..light };
-        light.check()?;
-        *known = light;
+        *known = light.dressed()?;
         Ok(())
     }
 }

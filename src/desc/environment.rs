@@ -3,12 +3,12 @@
 use std::f64::consts::PI;
 
 use super::json::join;
-use super::{HosekWilkieDesc, SceneDesc, SpectrumDesc, texture_check, validate};
+use super::{HosekWilkieDesc, SceneDesc, SpectrumDesc, spectrum_edit, texture_check, validate};
 use crate::emitter::{FormulaSky, SkyFormula};
 use crate::math::{DMat3, DQuat, DVec3};
 use crate::shape::Triangle;
 use crate::spectrum::Rgb;
-use crate::{Error, Result};
+use crate::{Error, ErrorKind, Result};
 
 /// Light from infinity, all around the scene. One scene has one at most.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,6 +70,15 @@ impl EnvironmentDesc {
     /// An environment that camera rays see, of this radiance [W m^-2 sr^-1] from every direction.
     pub fn even(radiance: Rgb) -> Self {
         Self { path: String::new(), radiance, sky: SkyDesc::Even, visible: true, portals: Vec::new(), spectrum: None }
+    }
+
+    /// Refuses a spectrum of a sky that has none.
+    pub(super) fn check_spectrum(&self) -> Result<()> {
+        if self.spectrum.is_some() && matches!(self.sky, SkyDesc::Formula(_) | SkyDesc::HosekWilkie(_)) {
+            let message = "a sky by a formula has no spectrum of its own, expected an even one or one by a texture";
+            return Err(Error::new(ErrorKind::Unsupported, message).at(join(&self.path, "spectrum")));
+        }
+        Ok(())
     }
 
     /// The texture that varies it.
@@ -194,7 +203,8 @@ impl SceneDesc {
     /// # Errors
     /// [`crate::ErrorKind::InvalidScene`] at `environment.color[..]`.
     pub fn set_environment(&mut self, radiance: Option<Rgb>) -> Result<()> {
-        self.set_environment_desc(radiance.map(EnvironmentDesc::even))
+        let spectrum = self.environment.as_ref().and_then(|known| known.spectrum.clone());
+        self.set_environment_desc(radiance.map(|it| EnvironmentDesc { spectrum, ..EnvironmentDesc::even(it) }))
     }
 
     /// Sets the light that comes from infinity; `None` removes it. The environment of a file keeps its path; that of the description
@@ -207,10 +217,13 @@ impl SceneDesc {
     pub fn set_environment_desc(&mut self, environment: Option<EnvironmentDesc>) -> Result<()> {
         let known = self.environment.as_ref();
         let path = known.map_or_else(|| "environment".to_owned(), |known| known.path.clone());
-        let environment = environment.map(|it| EnvironmentDesc { path, ..it });
-        if let Some(environment) = &environment {
+        let mut environment = environment.map(|it| EnvironmentDesc { path, ..it });
+        if let Some(environment) = &mut environment {
             texture_check::environment(environment, &self.textures)?;
             check_portals(environment)?;
+            environment.check_spectrum()?;
+            environment.radiance =
+                spectrum_edit::dressed(&environment.path, environment.spectrum.as_ref(), environment.radiance)?;
         }
         self.environment = environment;
         Ok(())

@@ -3,7 +3,7 @@
 use super::json::join;
 use super::{BsdfDesc, ConductorDesc, MaterialDesc, MediumDesc, SpectrumKey, TextureKey, validate};
 use crate::math::DVec3;
-use crate::spectrum::{Rgb, SpectralCurve};
+use crate::spectrum::{Illuminant, Rgb, SmoothSpectrum, SpectralCurve, rec_709, tristimulus};
 use crate::{Error, Result};
 
 /// Checks the spectra of a material, and sets the parameters of its model that have some to what they are in three channels.
@@ -19,19 +19,18 @@ pub(super) fn apply(material: &mut MaterialDesc) -> Result<()> {
         spectrum.check(&path)?;
         let share = || {
             let curve = spectrum.curve(&path)?;
-            if curve.most() > 1.0 {
-                return Err(Error::invalid(
-                    &path,
-                    format!("{} is out of range, expected values from 0 to 1", curve.most()),
-                ));
+            if let Some(most) = spectrum.values().find(|value| *value > 1.0) {
+                return Err(Error::invalid(&path, format!("{most} is out of range, expected values from 0 to 1")));
             }
             Ok(Rgb::from_f64(curve.reflected_color()).max(Rgb::ZERO).min(Rgb::ONE))
         };
         // An index at the wavelengths of the channels, as those of known metals are stated.
         let at_channels = |least: f32| {
             let curve = spectrum.curve(&path)?;
-            if curve.values().iter().any(|value| *value < least) {
-                return Err(Error::invalid(&path, "a value is 0, expected values above 0"));
+            if let Some(wrong) = spectrum.values().find(|value| !(f64::from(least)..=1e6).contains(value)) {
+                let least = if least > 0.0 { "above 0" } else { "of 0 or more" };
+                let message = format!("{wrong} is out of range, expected values {least} and up to 1000000");
+                return Err(Error::invalid(&path, message));
             }
             Ok(Rgb::from_array([650.0, 550.0, 450.0].map(|nanometres| curve.at(nanometres))))
         };
@@ -74,12 +73,8 @@ pub(super) fn apply(material: &mut MaterialDesc) -> Result<()> {
             }
             (SpectrumKey::Absorption, BsdfDesc::Dielectric { .. } | BsdfDesc::RoughDielectric { .. }) => {
                 let curve = spectrum.curve(&path)?;
-                // What is left of white after a unit of length has the colour that the channels are to leave too.
-                let left =
-                    SpectralCurve::of(|nanometres| (-f64::from(curve.at(nanometres as f32))).exp()).reflected_color();
                 let medium = material.medium.unwrap_or_default();
-                let coefficient = |left: f64| -left.clamp(1e-30, 1.0).ln();
-                let absorption = Rgb::from_f64(DVec3::from_array(left.to_array().map(coefficient)));
+                let absorption = Rgb::from_f64(absorption_color(&curve));
                 material.medium = Some(MediumDesc { absorption, ..medium });
             }
             (SpectrumKey::Emission, _) => {
@@ -109,6 +104,7 @@ pub(super) fn apply(material: &mut MaterialDesc) -> Result<()> {
         let textured = match key {
             SpectrumKey::Color => Some(TextureKey::Color),
             SpectrumKey::Transmittance => Some(TextureKey::Transmittance),
+            SpectrumKey::Reflectance if material.textured(TextureKey::EdgeTint).is_some() => Some(TextureKey::EdgeTint),
             SpectrumKey::Reflectance => Some(TextureKey::Reflectance),
             _ => None,
         };
@@ -120,18 +116,42 @@ pub(super) fn apply(material: &mut MaterialDesc) -> Result<()> {
     if let BsdfDesc::DiffuseTransmission { reflectance, transmittance } = material.bsdf {
         let share = |key: SpectrumKey, color: Rgb| match spectra.iter().find(|(known, _)| *known == key) {
             Some((_, spectrum)) => spectrum.curve(&base),
-            None => Ok(SpectralCurve::of(|_| f64::from(color.max_element()))),
+            // Beside a spectrum, a colour is the smooth reflectance that paths in wavelengths take it for.
+            None => {
+                let smooth = SmoothSpectrum::of_color(color);
+                Ok(SpectralCurve::of(|nanometres| f64::from(smooth.at(nanometres as f32))))
+            }
         };
         let shares = [share(SpectrumKey::Color, reflectance)?, share(SpectrumKey::Transmittance, transmittance)?];
         let sums = shares[0].values().iter().zip(shares[1].values()).map(|(r, t)| r + t);
         let most = sums.fold(0.0_f32, f32::max);
-        if most > 1.0 + 1e-6 {
+        if most > 1.0 + 1e-3 {
             let message = format!(
                 "what is reflected and what is transmitted sum to {most} at some wavelength, expected 1 at most"
             );
             return Err(Error::invalid(base, message));
         }
     }
+    // In three channels, colours outside of Rec. 709 may sum to more than the spectra do.
+    if let BsdfDesc::DiffuseTransmission { reflectance, transmittance } = &mut material.bsdf {
+        let sums = (*reflectance + *transmittance).max(Rgb::ONE);
+        (*reflectance, *transmittance) = (*reflectance / sums, *transmittance / sums);
+    }
     material.spectra = spectra;
     Ok(())
+}
+
+/// The absorption coefficients in three channels of a coefficient by the wavelength: of D65 that has gone as far as is absorbed by a factor
+/// e in the mean, they leave the same colour.
+fn absorption_color(curve: &SpectralCurve) -> DVec3 {
+    let d65 = |nanometres: f64| Illuminant::D65.power(nanometres);
+    let white = tristimulus(d65).y;
+    let at = |nanometres: f64| f64::from(curve.at(nanometres as f32));
+    let mean = tristimulus(|nanometres| d65(nanometres) * at(nanometres)).y / white;
+    if mean <= 0.0 {
+        return DVec3::ZERO;
+    }
+    let left = rec_709(|nanometres| d65(nanometres) * (-at(nanometres) / mean).exp()) / white;
+    // A colour outside of Rec. 709 would take an infinite coefficient or a negative one.
+    DVec3::from_array(left.to_array().map(|left| -left.clamp(1e-9, 1.0).ln() * mean))
 }

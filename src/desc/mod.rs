@@ -153,7 +153,7 @@ pub use render::{CropDesc, FilterDesc, MAX_PIXELS, MAX_SHADOW_RAYS, RenderDesc, 
 pub use scene::{Dialect, SceneDesc};
 #[cfg(feature = "schema")]
 pub use schema::schema;
-pub use spectrum::{LightSpectrum, MOST_SAMPLES, SpectrumDesc, SpectrumKey, StandardIlluminant};
+pub use spectrum::{LightSpectrum, MOST_SPECTRUM_SAMPLES, SpectrumDesc, SpectrumKey, StandardIlluminant};
 pub use spectrum_edit::SpectrumTarget;
 pub use sun::sun_direction;
 pub(crate) use texture::Parameter;

@@ -12,7 +12,7 @@ use crate::spectrum::{
 use crate::{Error, Result};
 
 /// Most samples of a spectrum.
-pub const MOST_SAMPLES: usize = 100_000;
+pub const MOST_SPECTRUM_SAMPLES: usize = 100_000;
 
 /// The temperatures \[K\] of black bodies: below, nothing is seen of them, and above, the chromaticity does not change any more.
 const BLACK_BODY_TEMPERATURES: [f64; 2] = [500.0, 1e6];
@@ -169,8 +169,8 @@ impl SpectrumDesc {
             Self::Daylight(kelvin) => temperature(*kelvin, DAYLIGHT_TEMPERATURES),
             Self::BlackBody(kelvin) => temperature(*kelvin, BLACK_BODY_TEMPERATURES),
             Self::Samples(samples) => {
-                if samples.is_empty() || samples.len() > MOST_SAMPLES {
-                    let message = format!("there are {} samples, expected 1 to {MOST_SAMPLES}", samples.len());
+                if samples.is_empty() || samples.len() > MOST_SPECTRUM_SAMPLES {
+                    let message = format!("there are {} samples, expected 1 to {MOST_SPECTRUM_SAMPLES}", samples.len());
                     return Err(Error::invalid(path, message));
                 }
                 let mut before = 0.0;
@@ -203,6 +203,15 @@ impl SpectrumDesc {
             Self::BlackBody(kelvin) => SpectralCurve::of(|nanometres| black_body(*kelvin, nanometres)),
             Self::Samples(samples) => SpectralCurve::of_samples(samples, Beyond::Zero),
         }
+    }
+
+    /// The values of its samples; none of a spectrum that has no samples.
+    pub(super) fn values(&self) -> impl Iterator<Item = f64> {
+        let samples = match self {
+            Self::Samples(samples) => &samples[..],
+            _ => &[],
+        };
+        samples.iter().map(|[_, value]| *value)
     }
 
     /// The linear Rec. 709 of light of this spectrum, with negative channels outside of the triangle of the primaries.

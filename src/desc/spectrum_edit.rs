@@ -2,10 +2,10 @@
 
 use super::edit::none_such;
 use super::json::join;
-use super::{SceneDesc, SkyDesc, SpectrumDesc, SpectrumKey};
+use super::{SceneDesc, SpectrumDesc, SpectrumKey};
 use crate::math::DVec3;
 use crate::spectrum::Rgb;
-use crate::{Error, ErrorKind, Result};
+use crate::{Error, Result};
 
 /// What can have a spectrum of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,7 +28,7 @@ impl SceneDesc {
     /// radiance that the spectrum says, and 1 of an illuminant.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidScene`] for a spectrum that does not serve, and for a number that nothing has; [`ErrorKind::Unsupported`] for
+    /// [`crate::ErrorKind::InvalidScene`] for a spectrum that does not serve, and for a number that nothing has; [`crate::ErrorKind::Unsupported`] for
     /// a sky by a formula, and those of [`Self::set_emission`] and [`Self::set_material_desc`]. The description is then as it was.
     pub fn set_spectrum(&mut self, of: SpectrumTarget, spectrum: Option<SpectrumDesc>) -> Result<()> {
         match of {
@@ -46,22 +46,15 @@ impl SceneDesc {
                 let Some(known) = self.distant_lights.get(number) else {
                     return Err(none_such(&format!("distant[{number}]"), "distant light", number, count));
                 };
-                let irradiance = dressed(&known.path, spectrum.as_ref(), known.irradiance)?;
-                let edited = super::DistantLightDesc { spectrum, irradiance, ..known.clone() };
+                let edited = super::DistantLightDesc { spectrum, ..known.clone() };
                 self.set_distant_light(number, edited)
             }
             SpectrumTarget::Environment => {
-                let Some(known) = &mut self.environment else {
+                let Some(known) = &self.environment else {
                     return Err(Error::invalid("environment", "there is no environment that could have a spectrum"));
                 };
-                if matches!(known.sky, SkyDesc::Formula(_) | SkyDesc::HosekWilkie(_)) {
-                    let message =
-                        "a sky by a formula has no spectrum of its own, expected an even one or one by a texture";
-                    return Err(Error::new(ErrorKind::Unsupported, message).at(join(&known.path, "spectrum")));
-                }
-                known.radiance = dressed(&known.path, spectrum.as_ref(), known.radiance)?;
-                known.spectrum = spectrum;
-                Ok(())
+                let edited = super::EnvironmentDesc { spectrum, ..known.clone() };
+                self.set_environment_desc(Some(edited))
             }
             SpectrumTarget::Material(number, key) => {
                 let count = self.materials.len();

@@ -3,12 +3,12 @@
 //! Columns are separated by blanks, tabs, commas or semicolons, as `.spd` and `.csv` files have them. Lines that are empty or begin with
 //! `#` or `;` are comments, and lines before the first number may be a heading.
 
-use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 
-use super::spectrum::MOST_SAMPLES;
-use crate::{Error, ErrorKind, Result};
+use super::open_file;
+use super::spectrum::MOST_SPECTRUM_SAMPLES;
+use crate::{Error, Result};
 
 /// Size of the largest file, bytes.
 const SIZE_LIMIT: u64 = 1 << 24;
@@ -17,11 +17,8 @@ const SIZE_LIMIT: u64 = 1 << 24;
 pub(super) fn read(file: &Path, path: &str) -> Result<Vec<[f64; 2]>> {
     let io = |error| Error::io(file, "cannot read the spectrum", error).at(path);
     let mut bytes = Vec::new();
-    File::open(file).and_then(|it| it.take(SIZE_LIMIT + 1).read_to_end(&mut bytes)).map_err(io)?;
-    if bytes.len() as u64 > SIZE_LIMIT {
-        let message = format!("a spectrum of more than {SIZE_LIMIT} bytes is not read");
-        return Err(Error::new(ErrorKind::Unsupported, message).at(path).in_file(Some(file), 0));
-    }
+    let open = open_file(file, SIZE_LIMIT).map_err(|error| error.at(path))?;
+    open.take(SIZE_LIMIT + 1).read_to_end(&mut bytes).map_err(io)?;
     parse(&bytes).map_err(|(line, message)| Error::invalid(path, message).in_file(Some(file), line))
 }
 
@@ -51,8 +48,8 @@ fn parse(bytes: &[u8]) -> Result<Vec<[f64; 2]>, (usize, String)> {
                 return wrong(format!("the line is '{shown}', expected a wavelength in nm and one value"));
             }
         }
-        if samples.len() > MOST_SAMPLES {
-            return wrong(format!("there are more samples than {MOST_SAMPLES}"));
+        if samples.len() > MOST_SPECTRUM_SAMPLES {
+            return wrong(format!("there are more samples than {MOST_SPECTRUM_SAMPLES}"));
         }
     }
     if samples.is_empty() {
@@ -90,7 +87,7 @@ mod tests {
         ] {
             assert_eq!(parse(text.as_bytes()).unwrap_err().0, line, "{text:?}");
         }
-        let text = "400.5 1\n".repeat(MOST_SAMPLES + 1);
-        assert_eq!(parse(text.as_bytes()).unwrap_err().0, MOST_SAMPLES + 1);
+        let text = "400.5 1\n".repeat(MOST_SPECTRUM_SAMPLES + 1);
+        assert_eq!(parse(text.as_bytes()).unwrap_err().0, MOST_SPECTRUM_SAMPLES + 1);
     }
 }

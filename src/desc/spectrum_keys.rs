@@ -143,7 +143,13 @@ pub(super) fn read_some(
     path: &str,
     builder: &mut Builder<'_>,
 ) -> Result<Option<SpectrumDesc>> {
-    value.map(|value| read(value, &join(path, "spectrum"), builder)).transpose()
+    let Some(value) = value else { return Ok(None) };
+    let path = join(path, "spectrum");
+    let spectrum = read(value, &path, builder)?;
+    if spectrum.light(&path)?.is_out_of_gamut && !builder.scene.render.spectral {
+        builder.warn(&path, "the colour lies outside of Rec. 709, in three channels the light is less saturated");
+    }
+    Ok(Some(spectrum))
 }
 
 /// Reads the spectra of parameters of a material.

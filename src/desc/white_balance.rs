@@ -59,7 +59,7 @@ pub(super) fn check(path: &str, white: [f64; 2]) -> Result<()> {
     let [x, y] = white;
     Err(Error::invalid(
         path,
-        format!("[{x}, {y}] is no chromaticity of light, expected x and y such as [0.3127, 0.329]"),
+        format!("[{x}, {y}] is no light that could be white, expected x and y such as [0.3127, 0.329]"),
     ))
 }
 

@@ -31,9 +31,25 @@ impl SpectralCurve {
     /// The function that is linear between samples of wavelength \[nm\] and value, which are in order of strictly growing wavelengths;
     /// 0 without samples.
     ///
-    /// Each value is the mean over the nanometre around it, so that the integral of narrow lines is kept.
+    /// Where samples are closer than a nanometre, each value is the mean over the nanometre around it, so that the integral of narrow
+    /// lines is kept.
     pub fn of_samples(samples: &[[f64; 2]], beyond: Beyond) -> Self {
         let Some((first, last)) = samples.first().zip(samples.last()) else { return Self::of(|_| 0.0) };
+        let above =
+            |nanometres: f64| samples.partition_point(|[at, _]| *at <= nanometres).clamp(1, (samples.len() - 1).max(1));
+        if samples.windows(2).all(|pair| pair[1][0] - pair[0][0] >= 1.0) {
+            let edge = |value: f64| if beyond == Beyond::Ends { value } else { 0.0 };
+            return Self::of(|nanometres| match nanometres {
+                _ if nanometres < first[0] => edge(first[1]),
+                _ if nanometres > last[0] => edge(last[1]),
+                _ if samples.len() == 1 => first[1],
+                _ => {
+                    let above = above(nanometres);
+                    let ([from, before], [to, after]) = (samples[above - 1], samples[above]);
+                    before + (after - before) * (nanometres - from) / (to - from)
+                }
+            });
+        }
         // The integral from the first sample up to each of them.
         let mut sums = Vec::with_capacity(samples.len());
         let mut sum = 0.0;
@@ -50,7 +66,7 @@ impl SpectralCurve {
             if nanometres >= last[0] {
                 return sum + outside(nanometres - last[0], last[1]);
             }
-            let above = samples.partition_point(|[at, _]| *at <= nanometres).clamp(1, samples.len() - 1);
+            let above = above(nanometres);
             let ([from, before], [to, after]) = (samples[above - 1], samples[above]);
             let way = nanometres - from;
             sums[above - 1] + way * (before + 0.5 * (after - before) * way / (to - from))

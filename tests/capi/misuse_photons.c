@@ -147,7 +147,7 @@ static void pass_whole_numbers(void) {
         options.white_balance[0] = 0.9;
         options.white_balance[1] = 0.5;
         CHECK_STATUS(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT);
-        CHECK(strstr(etd_last_error_message(), "options.white_balance: [0.9, 0.5] is no chromaticity") != NULL);
+        CHECK(strstr(etd_last_error_message(), "options.white_balance: [0.9, 0.5] is no light that could be white") != NULL);
         options.white_balance[0] = 0.4476;
         options.white_balance[1] = 0.4074;
         CHECK_OK(etd_render(scene, film, &options));

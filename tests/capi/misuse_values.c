@@ -927,6 +927,26 @@ static void pass_spectra(void) {
     CHECK(known.emission[0] > 0.99F && known.emission[0] < 1.01F && known.emission[2] > 0.99F && known.emission[2] < 1.01F);
     CHECK_OK(etd_scene_remove_surface(scene, flat));
     CHECK_STATUS(etd_scene_set_spectrum(scene, ETD_SPECTRUM_OF_SURFACE, flat, &spectrum), ETD_INVALID_ARGUMENT);
+    { /* lights that are changed keep their spectra */
+        etd_distant_light sun = ETD_DISTANT_LIGHT_INIT;
+        etd_spot_light spot = ETD_SPOT_LIGHT_INIT;
+        uint32_t number = 0;
+        CHECK_OK(etd_scene_add_distant_light(scene, &sun, &number));
+        CHECK_OK(etd_scene_set_spectrum(scene, ETD_SPECTRUM_OF_DISTANT_LIGHT, number, &spectrum));
+        CHECK_OK(etd_scene_set_distant_light(scene, number, &sun));
+        CHECK_OK(etd_scene_get_spectrum(scene, ETD_SPECTRUM_OF_DISTANT_LIGHT, number, &out));
+        CHECK(out.kind == ETD_SPECTRUM_ILLUMINANT && out.illuminant == ETD_ILLUMINANT_D65);
+        sun.irradiance[0] = sun.irradiance[1] = sun.irradiance[2] = 0;
+        CHECK_OK(etd_scene_set_spectrum(scene, ETD_SPECTRUM_OF_DISTANT_LIGHT, number, NULL));
+        CHECK_OK(etd_scene_set_distant_light(scene, number, &sun));
+        CHECK_OK(etd_scene_add_spot_light(scene, &spot, &number));
+        CHECK_OK(etd_scene_set_spectrum(scene, ETD_SPECTRUM_OF_POINT_LIGHT, number, &spectrum));
+        CHECK_OK(etd_scene_set_spot_light(scene, number, &spot));
+        CHECK_OK(etd_scene_get_spectrum(scene, ETD_SPECTRUM_OF_POINT_LIGHT, number, &out));
+        CHECK_OK(etd_scene_set_spectrum(scene, ETD_SPECTRUM_OF_POINT_LIGHT, number, NULL));
+        spot.intensity[0] = spot.intensity[1] = spot.intensity[2] = 0;
+        CHECK_OK(etd_scene_set_spot_light(scene, number, &spot));
+    }
 }
 
 static void pass_materials(void) {

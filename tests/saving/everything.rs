@@ -549,7 +549,7 @@ pub fn scene() -> SceneDesc {
     scene.set_environment_desc(Some(sky)).unwrap();
     let shining = scene.surfaces.iter().position(|surface| surface.emission.is_some()).unwrap();
     for of in [SpectrumTarget::Environment, SpectrumTarget::DistantLight(1), SpectrumTarget::Surface(shining)] {
-        let lines = SpectrumDesc::samples("", [[450.0, 0.0], [451.0 + 1.0 / 3.0, 7e-5], [453.0, 0.1]]).unwrap();
+        let lines = SpectrumDesc::samples("", [[450.0, 0.4], [551.0 + 1.0 / 3.0, 7e-1], [653.0, 0.5]]).unwrap();
         scene.set_spectrum(of, Some(lines)).unwrap();
     }
     scene.set_backplate(Some(BackplateDesc { radiance: rgb(0.1, 7.0, 1.0), texture: Some(1) })).unwrap();

@@ -30,11 +30,11 @@ impl FilmedMetal {
         let (eta, k) = (index.map(|[eta, _]| eta).into(), index.map(|[_, k]| k).into());
         let Some(curves) = curves else { return Self::new(eta, k, film) };
         let [index, thickness] = film.numbers();
-        // Tables of metals by the wavelength are made when a scene is built, and not looked for among those of others.
-        let observed = Observed::new(index * thickness, |cos, nanometres| {
+        let key = Key::MeasuredMetal(curves.bits().collect(), [index, thickness].map(f64::to_bits));
+        let observed = table(key, index * thickness, |cos, nanometres| {
             Stack::new(1.0, [index, thickness], measured(curves, nanometres), nanometres).reflectance(cos)
         });
-        Self { eta, k, curves: Some(curves.clone()), film, observed: Arc::new(observed) }
+        Self { eta, k, curves: Some(curves.clone()), film, observed }
     }
 
     /// A film on a metal with this complex index of refraction per channel.

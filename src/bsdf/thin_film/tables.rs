@@ -12,6 +12,8 @@ pub enum Key {
     Dielectric([u64; 4]),
     /// n and k of a metal per channel; index and thickness of the film.
     Metal([u32; 3], [u32; 3], [u64; 2]),
+    /// n and k of a metal by nanometres; index and thickness of the film.
+    MeasuredMetal(Box<[u32]>, [u64; 2]),
 }
 
 memo!(

@@ -19,8 +19,8 @@ use super::json::{self, join};
 use super::numbers::{self, single, unless};
 use super::save::{Names, raw};
 use super::{
-    BsdfDesc, Dispersion, MaterialDesc, MediumDesc, MicrofacetsDesc, ThinFilmDesc, material_check, photometric,
-    spectrum_keys, texture_check, texture_keys, validate,
+    BsdfDesc, Dispersion, MaterialDesc, MediumDesc, MicrofacetsDesc, SpectrumKey, ThinFilmDesc, material_check,
+    photometric, spectrum_keys, texture_check, texture_keys, validate,
 };
 use crate::spectrum::Rgb;
 use crate::{Error, Result};
@@ -258,6 +258,10 @@ fn add<K: Kind>(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result
     let spectra = spectrum_keys::of_material(spectra.as_ref(), path, builder)?;
     let textures = texture_keys::bindings(textures.as_ref(), path, builder)?;
     let opacity = validate::within(&join(path, "opacity"), opacity.unwrap_or(1.0), 0.0, 1.0)?;
+    if temperature.is_some() && spectra.iter().any(|(key, _)| *key == SpectrumKey::Emission) {
+        let message = "a spectrum of `emission` says the colour already, expected one of both";
+        return Err(Error::invalid(join(path, "temperature"), message));
+    }
     let emission = photometric::emission(path, emission, luminance, temperature, None)?;
     let path = path.to_owned();
     let mut material =
