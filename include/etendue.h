@@ -3711,7 +3711,7 @@ etd_status etd_scene_add_material(struct etd_scene *scene,
 
 /**
  * Replaces a material, for all surfaces that have it. The change does not require geometry to be rebuilt. The material keeps its
- * textures; a model that does not have a parameter that one of them varies is an error. Thread-safe.
+ * textures, and loses its spectra; a model that does not have a parameter that a texture varies is an error. Thread-safe.
  */
 etd_status etd_scene_set_material(struct etd_scene *scene,
                                   uint32_t material,

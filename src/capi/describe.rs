@@ -72,7 +72,7 @@ pub unsafe extern "C" fn etd_scene_add_material(
 }
 
 /// Replaces a material, for all surfaces that have it. The change does not require geometry to be rebuilt. The material keeps its
-/// textures; a model that does not have a parameter that one of them varies is an error. Thread-safe.
+/// textures, and loses its spectra; a model that does not have a parameter that a texture varies is an error. Thread-safe.
 ///
 /// # Safety
 /// Each pointer must be NULL or point to a value of its type.
