@@ -12,8 +12,8 @@ use std::time::{Duration, Instant};
 use etendue::Result;
 use etendue::desc::{
     self, BsdfDesc, CacheDesc, CropDesc, FilterDesc, HostMesh, KernelDesc, LightDistribution, MAX_NEIGHBOURS,
-    MAX_PHOTONS, MeshDesc, PhotonDesc, PointLightDesc, RenderDesc, SceneDesc, SceneIndex, ShapeDesc, SpotDesc,
-    SurfaceLook,
+    MAX_PHOTONS, MeshDesc, PhotonDesc, PointLightDesc, RenderDesc, SceneDesc, SceneIndex, ShapeDesc, SpectrumTarget,
+    SpotDesc, SurfaceLook,
 };
 use etendue::math::{Bounds, DAffine3, DVec3};
 use etendue::scene::{BuildOptions, Scene};
@@ -64,6 +64,9 @@ fn rebuilt(from: &SceneDesc) -> Result<SceneDesc> {
             transform: surface.transform,
         };
         assert_eq!(desc.add_surface(surface.shape, surface.local, look)?, number);
+        if surface.spectrum.is_some() {
+            desc.set_spectrum(SpectrumTarget::Surface(number), surface.spectrum.clone())?;
+        }
     }
     desc.set_shutter(from.motion.shutter.clone())?;
     desc.set_camera_motion(from.motion.camera.as_deref().cloned())?;
