@@ -56,7 +56,7 @@ peers-materials: setup
 	$(CARGO) build --quiet --release --locked --example etendue
 	$(PEER) peers/mitsuba/compare_materials.py $(ARGS)
 
-# The pictures of docs/materials.md, one for each kind of material. About five minutes.
+# The pictures of docs/materials.md, one for each kind of material, and of docs/scenes.md. About ten minutes.
 gallery: setup
 	$(CARGO) build --quiet --release --locked --example etendue
 	scripts/gallery.pl $${CARGO_TARGET_DIR:-target}/release/examples/etendue $(ARGS)

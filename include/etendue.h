@@ -3037,7 +3037,7 @@ typedef struct etd_texture {
     double offset[3];
     /**
      * 1: the texture is multiplied by the colours of vertices, and its opacity by theirs. 0: it is not. Always 1 of
-     * `ETD_TEXTURE_VERTEX_COLORS`, whatever is given. Refused for the parameters "emission", "normal" and "bump".
+     * `ETD_TEXTURE_VERTEX_COLORS`, whatever is given. Refused for the parameters "emission", "temperature", "normal" and "bump".
      */
     uint32_t vertex_colors;
     /**

@@ -1,6 +1,7 @@
 #!/usr/bin/perl
 # Draws the gallery of materials (docs/materials.md): scenes/gallery/ball.json with the materials of each entry of
-# scenes/gallery/materials.json, of which the one named `shown` is the ball's, to docs/gallery/PICTURE.png.
+# scenes/gallery/materials.json, of which the one named `shown` is the ball's, to docs/gallery/PICTURE.png. And the scenes that
+# docs/scenes.md shows, to docs/gallery/scene-NAME.png.
 #
 #   scripts/gallery.pl [--samples N] ETENDUE [PICTURE ...]    ETENDUE is the command line; all pictures without a name
 use strict;
@@ -18,10 +19,22 @@ my $etendue = shift // die "the command line is missing: scripts/gallery.pl ETEN
 sub slurp { my ($path) = @_; local $/; open my $file, '<', $path or die "$path: $!\n"; return scalar <$file>; }
 
 my $entries = $json->decode(slurp("$root/scenes/gallery/materials.json"));
-my %known = map { $_->{picture} => 1 } @$entries;
+my @scenes = map { "scene-$_" } qw(black-bodies diamond prism soap);
+my %known = map { $_ => 1 } @scenes, map { $_->{picture} } @$entries;
 for my $name (@ARGV) { die "no picture is called $name\n" unless $known{$name}; }
 my %wanted = map { $_ => 1 } @ARGV ? @ARGV : keys %known;
 mkdir "$root/docs/gallery";
+
+sub draw {
+    my ($scene, $picture) = @_;
+    system($etendue, 'render', $scene, '--output', "$root/docs/gallery/$picture.png", '--quiet', @options) == 0
+        or die "$picture could not be drawn\n";
+    print "docs/gallery/$picture.png\n";
+}
+
+for my $picture (grep { $wanted{$_} } @scenes) {
+    draw("$root/scenes/" . $picture =~ s/^scene-//r . '.json', $picture);
+}
 
 # The scene lies beside the floor's file, which it names, and goes in any case.
 my $scene = "$root/scenes/gallery/.drawn.json";
@@ -34,7 +47,5 @@ for my $entry (grep { $wanted{$_->{picture}} } @$entries) {
     open my $file, '>', $scene or die "$scene: $!\n";
     print $file $json->encode($template);
     close $file or die "$scene: $!\n";
-    system($etendue, 'render', $scene, '--output', "$root/docs/gallery/$entry->{picture}.png", '--quiet', @options) == 0
-        or die "$entry->{picture} could not be drawn\n";
-    print "docs/gallery/$entry->{picture}.png\n";
+    draw($scene, $entry->{picture});
 }

@@ -1003,6 +1003,48 @@ fn colours_of_vertices_are_one_for_each_and_in_range() {
     }
 }
 
+/// Temperatures and films that textures vary need something to vary, and of temperatures an image.
+#[test]
+fn textures_of_temperatures_and_films_need_them() {
+    let read = |texture: &str, material: &str| {
+        let scene = format!(
+            r#"{{"etendue": 1, "camera": {{}}, "textures": [{texture}], "materials": [{{"name": "m", {material}}}]}}"#
+        );
+        desc::parse(&scene, &Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes"), None)
+            .map(|_| ())
+            .map_err(|error| error.to_string())
+    };
+    let image = r#"{"name": "t", "type": "image", "file": "textures/heat.png"}"#;
+    let (pattern, colours) = (r#"{"name": "t", "type": "grid"}"#, r#"{"name": "t", "type": "vertex-colors"}"#);
+    let glows = |emission: &str, textures: &str| {
+        format!(r#""type": "diffuse", "color": [0, 0, 0], {emission} "textures": {{{textures}}}"#)
+    };
+    let black_body = r#""spectra": {"emission": {"blackBody": 2000}},"#;
+    let soap = r#""type": "refractive", "refractionIndex": 1, "film": {"thickness": 300, "refractionIndex": 1.33},
+        "textures": {"filmThickness": "t"}"#;
+    let bare = r#""type": "refractive", "refractionIndex": 1.5, "textures": {"filmThickness": "t"}"#;
+    let temperature = r#""temperature": "t""#;
+    assert_eq!(read(image, &glows(black_body, temperature)), Ok(()));
+    assert_eq!(read(pattern, soap), Ok(()));
+    let no_body = "materials[0].textures.temperature: the material does not emit as a black body";
+    for (texture, material, expected) in [
+        (image, glows("", temperature), no_body),
+        (image, glows(r#""emission": [1, 1, 1],"#, temperature), no_body),
+        (image, glows(r#""spectra": {"emission": "A"},"#, temperature), no_body),
+        (
+            image,
+            glows(black_body, r#""emission": "t", "temperature": "t""#),
+            "materials[0].textures.temperature: a texture varies the emission already, expected one of both",
+        ),
+        (pattern, glows(black_body, temperature), "materials[0].textures.temperature: the texture is no image"),
+        (colours, glows(black_body, temperature), "materials[0].textures.temperature: the texture is no image"),
+        (pattern, bare.to_owned(), "materials[0].textures.filmThickness: the material has no film"),
+    ] {
+        let error = read(texture, &material).unwrap_err();
+        assert!(error.contains(expected), "{error}, not {expected}");
+    }
+}
+
 #[test]
 fn tangents_are_one_for_each_vertex() {
     let read = |tangents: &str| {

@@ -29,7 +29,7 @@ impl Conductor {
 
     /// The same metal in three channels, and this one by the wavelength.
     pub(super) fn measured(self, metal: MetalCurves) -> Self {
-        Self { by_wavelength: MetalInSpectrum::new(metal), ..self }
+        Self { by_wavelength: MetalInSpectrum::Curves(metal), ..self }
     }
 
     /// A metal with a thin film.

@@ -136,6 +136,7 @@ impl<C: Spectrum> Model<C> for Dispersive<C> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::desc::{GLASSES, Glass};
     use crate::spectrum::SampledSpectrum;
 
     /// The shares of all wavelengths are Fresnel's, on both sides, and the direction is Snell's at the first one.
@@ -176,5 +177,50 @@ mod tests {
         let none = Dispersive::new(inner, inner).in_spectrum(&SampledSpectrum::sample_wavelengths(|| 0.5));
         let lobes: SpecularLobes<SampledSpectrum> = none.specular_lobes(wo, TransportMode::Radiance);
         assert_eq!(lobes[0].map(|lobe| lobe.weight), Some(SampledSpectrum::ZERO));
+    }
+
+    /// A prism of 40 degrees turns each wavelength by a + b - 40 degrees, where sin(a) = n sin(a') and sin(b) = n sin(40 degrees - a').
+    #[test]
+    fn a_prism_deviates_each_wavelength_by_snells_law() {
+        let apex = 40.0_f64.to_radians();
+        let air = Index { ior: 1.0, dispersion: None };
+        for Glass { name, dispersion, .. } in GLASSES {
+            let ior = dispersion.own_index().unwrap() as f32;
+            let inner = Index { ior, dispersion: Some(dispersion) };
+            let mut turned = Vec::new();
+            for i in 0..64 {
+                let wavelengths = SampledSpectrum::sample_wavelengths(|| (i as f32 + 0.5) / 64.0);
+                let nanometres = wavelengths.nanometres.to_array()[0];
+                let surface = Dispersive::new(inner, air).in_spectrum::<SampledSpectrum>(&wavelengths);
+                let through = |wo: Vec3| surface.specular_lobes(wo, TransportMode::Radiance)[1].unwrap().wi;
+                let incident = 20.0_f64.to_radians();
+                let n = dispersion.index(f64::from(ior), nanometres.into());
+                let exact = |n: f64| {
+                    let first = (incident.sin() / n).asin();
+                    incident + (n * (apex - first).sin()).asin() - apex
+                };
+                if exact(n).is_nan() {
+                    // Diamond reflects everything.
+                    assert_eq!(name, "diamond");
+                    continue;
+                }
+                let (sin, cos) = incident.sin_cos();
+                let within = through(Vec3::new(sin as f32, 0.0, cos as f32));
+                // Into the frame of the second face: the angle to its normal is that to the first one less the apex.
+                let first = f64::from(-within.x).atan2(f64::from(-within.z));
+                let (sin, cos) = (apex - first).sin_cos();
+                let out = through(Vec3::new(sin as f32, 0.0, -cos as f32));
+                let leaving = f64::from(-out.x).atan2(f64::from(out.z));
+                let found = incident + leaving - apex;
+                assert!((found - exact(n)).abs() < 1e-5, "{name} {nanometres}: {found} for {}", exact(n));
+                assert!((found - exact(1.0 + 1.02 * (n - 1.0))).abs() > 1e-3);
+                turned.push((nanometres, found));
+            }
+            turned.sort_by(|a, b| a.0.total_cmp(&b.0));
+            assert!(
+                turned.windows(2).all(|pair| pair[0].1 > pair[1].1 - 1e-6),
+                "{name}: shorter waves are turned more"
+            );
+        }
     }
 }

@@ -28,17 +28,7 @@ impl Eon {
     /// A rough diffuse surface. `albedo` in [0, 1] per channel, `roughness` in (0, 1].
     pub fn new(albedo: Rgb, roughness: f32) -> Self {
         let white = OrenNayar::new(Rgb::ONE, roughness);
-        let mean = white.mean_albedo().r();
-        let missing = 1.0 - mean;
-        let several = albedo.to_array().map(|rho| rho * rho * mean / (1.0 - rho * missing));
-        let several = Rgb::from_array(several);
-        Self {
-            once: OrenNayar::new(albedo, roughness),
-            white,
-            // A roughness too small for single precision loses nothing.
-            multiple: if missing > 1e-6 { several / missing } else { Rgb::ZERO },
-            albedo: albedo * mean + several * missing,
-        }
+        Self { once: white, white, multiple: Rgb::ZERO, albedo: Rgb::ZERO }.with_albedo(albedo)
     }
 
     /// What does not depend on the colour.
@@ -85,6 +75,7 @@ impl<C: Spectrum> Eon<C> {
         let several = albedo.map(|rho| rho * rho * mean / (1.0 - rho * missing));
         Self {
             once: self.once.with_albedo(albedo),
+            // A roughness too small for single precision loses nothing.
             multiple: if missing > 1e-6 { several / missing } else { C::ZERO },
             albedo: albedo * mean + several * missing,
             ..self

@@ -184,10 +184,8 @@ mod tests {
     fn rough(film: Option<ThinFilmDesc>, dispersion: Option<Dispersion>, roughness: f32) -> Bsdf {
         let microfacets = MicrofacetsDesc { roughness, ..MicrofacetsDesc::default() };
         let desc = BsdfDesc::RoughDielectric { ior: 1.5, exterior_ior: 1.0, microfacets };
-        {
-            let material = MaterialDesc { bsdf: desc, film, dispersion, ..MaterialDesc::default() };
-            Bsdf::new(&desc).by_wavelength(&desc, &ByWavelength::new(&material), None)
-        }
+        let material = MaterialDesc { bsdf: desc, film, dispersion, ..MaterialDesc::default() };
+        Bsdf::new(&desc).by_wavelength(&desc, &ByWavelength::new(&material), None, None)
     }
 
     /// The mean weight of samples of light from one direction, which have the f and the density that the model states.
@@ -251,11 +249,9 @@ mod tests {
             let microfacets = MicrofacetsDesc { roughness, ..MicrofacetsDesc::default() };
             let conductor = ConductorDesc::Index { eta: Rgb::new(0.2, 0.9, 1.3), k: Rgb::new(3.6, 2.4, 2.0) };
             let desc = BsdfDesc::Conductor { conductor, microfacets };
-            {
-                let film = Some(ThinFilmDesc { thickness: 60.0, ior: 2.2 });
-                let material = MaterialDesc { bsdf: desc, film, ..MaterialDesc::default() };
-                Bsdf::new(&desc).by_wavelength(&desc, &ByWavelength::new(&material), None)
-            }
+            let film = Some(ThinFilmDesc { thickness: 60.0, ior: 2.2 });
+            let material = MaterialDesc { bsdf: desc, film, ..MaterialDesc::default() };
+            Bsdf::new(&desc).by_wavelength(&desc, &ByWavelength::new(&material), None, None)
         };
         let wavelengths = SampledSpectrum::sample_wavelengths(|| 0.7);
         for degrees in [5.0, 40.0] {

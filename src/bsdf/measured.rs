@@ -5,9 +5,9 @@ use std::sync::Arc;
 use super::lobes::{Lobes, TransportMode};
 use super::metal_spectrum::MetalCurves;
 use super::model::{BsdfSample, Model, SpecularLobes};
-use super::thin_film::FilmedInterface;
+use super::thin_film::{FilmRange, FilmedInterface};
 use super::{Bsdf, Conductor, FilmedDielectric, FilmedMetal, Index, Lambert, Mirror};
-use crate::desc::{BsdfDesc, Dispersion, MaterialDesc, SpectrumKey, ThinFilmDesc};
+use crate::desc::{BsdfDesc, Dispersion, MaterialDesc, SpectrumKey};
 use crate::math::Vec3;
 use crate::spectrum::{Rgb, SpectralCurve, Spectrum};
 
@@ -21,7 +21,7 @@ pub(crate) struct ByWavelength {
     /// The index of a metal.
     metal: Option<MetalCurves>,
     /// A film on a dielectric, as it is between the media that the description states.
-    film: Option<(ThinFilmDesc, Arc<FilmedInterface>)>,
+    film: Option<Arc<FilmedInterface>>,
     /// A metal with a film.
     filmed: Option<Arc<FilmedMetal>>,
 }
@@ -29,6 +29,11 @@ pub(crate) struct ByWavelength {
 impl ByWavelength {
     /// That of a checked material.
     pub fn new(material: &MaterialDesc) -> Self {
+        Self::with_film(material, material.film.map(FilmRange::from))
+    }
+
+    /// That of a checked material of which the film, where it has one, is of this range.
+    pub fn with_film(material: &MaterialDesc, film: Option<FilmRange>) -> Self {
         let conductor = match &material.bsdf {
             BsdfDesc::Conductor { conductor, .. } => Some(conductor),
             _ => None,
@@ -37,10 +42,8 @@ impl ByWavelength {
         let sides = material.bsdf.interior().map(|[ior, exterior_ior]| {
             [Index { ior, dispersion: material.dispersion }, Index { ior: exterior_ior, dispersion: None }]
         });
-        let film = sides
-            .zip(material.film)
-            .map(|([inner, outer], film)| (film, Arc::new(FilmedInterface::new(inner, outer, film))));
-        let filmed = conductor.zip(material.film).map(|(it, film)| Arc::new(FilmedMetal::of(it, metal.as_ref(), film)));
+        let filmed = conductor.zip(film).map(|(it, film)| Arc::new(FilmedMetal::of(it, metal.as_ref(), film)));
+        let film = sides.zip(film).map(|([inner, outer], film)| Arc::new(FilmedInterface::new(inner, outer, film)));
         let is_color = |key: SpectrumKey| matches!(key, SpectrumKey::Color | SpectrumKey::Transmittance);
         let of_colors = material.spectra.iter().filter(|(key, _)| is_color(*key));
         let colors: Arc<[_]> =
@@ -52,34 +55,53 @@ impl ByWavelength {
 
 impl Bsdf {
     /// The model that was made from a description, of a material that depends on the wavelength like this. `around`: as for
-    /// [`Self::within`].
-    pub(crate) fn by_wavelength(self, desc: &BsdfDesc, by: &ByWavelength, around: Option<f32>) -> Self {
+    /// [`Self::within`]; `thickness`: that of the film \[nm\], where it varies.
+    pub(crate) fn by_wavelength(
+        self,
+        desc: &BsdfDesc,
+        by: &ByWavelength,
+        around: Option<f32>,
+        thickness: Option<f32>,
+    ) -> Self {
         let ByWavelength { dispersion, colors, metal, film, filmed } = by;
         if let Some([ior, exterior_ior]) = desc.interior() {
             let inner = Index { ior, dispersion: *dispersion };
             let outer = Index { ior: around.unwrap_or(exterior_ior), dispersion: None };
-            return match film {
-                Some((_, made)) if outer.ior == exterior_ior => self.filmed(Arc::clone(made)),
-                Some((film, _)) => self.filmed(Arc::new(FilmedInterface::new(inner, outer, *film))),
-                None => self.dispersing(inner, outer),
-            };
+            let Some(film) = film else { return self.dispersing(inner, outer) };
+            let is_around = outer.ior == exterior_ior;
+            let film =
+                if is_around { Arc::clone(film) } else { Arc::new(FilmedInterface::new(inner, outer, film.range())) };
+            return self.filmed(thickness.map_or(film.clone(), |nanometres| Arc::new(film.with_thickness(nanometres))));
         }
+        let filmed = filmed.as_ref().map(|metal| match thickness {
+            Some(nanometres) => Arc::new(metal.with_thickness(nanometres)),
+            None => Arc::clone(metal),
+        });
         match self {
             Self::Conductor(it) => Self::Conductor(match (filmed, metal) {
-                (Some(filmed), _) => Conductor::filmed(Arc::clone(filmed)),
+                (Some(filmed), _) => Conductor::filmed(filmed),
                 (None, Some(metal)) => it.measured(metal.clone()),
                 (None, None) => it,
             }),
             Self::RoughConductor(it) => Self::RoughConductor(match (filmed, metal) {
-                (Some(filmed), _) => it.filmed(Arc::clone(filmed)),
+                (Some(filmed), _) => it.filmed(filmed),
                 (None, Some(metal)) => it.measured(metal.clone()),
                 (None, None) => it,
             }),
             model => match colors {
-                Some(colors) => Self::Measured(Measured { model: Box::new(model), colors: Some(Arc::clone(colors)) }),
+                Some(colors) => {
+                    let colors = Some(Colors::Curves(Arc::clone(colors)));
+                    Self::Measured(Measured { model: Box::new(model), colors })
+                }
                 None => model,
             },
         }
+    }
+
+    /// The same model, of which paths in wavelengths see the mean of the spectra of these colours by their weights. In three channels the
+    /// model has the mean colour already.
+    pub(crate) fn with_interpolated_color(self, colors: Box<[(f32, Rgb)]>) -> Self {
+        Self::Measured(Measured { model: Box::new(self), colors: Some(Colors::Interpolated(colors)) })
     }
 
     /// The same interface between dielectrics with a thin film; other models as they are.
@@ -96,7 +118,17 @@ impl Bsdf {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured<C: Spectrum = Rgb> {
     model: Box<Bsdf<C>>,
-    colors: Option<Arc<[(SpectrumKey, SpectralCurve)]>>,
+    /// `None` once the model has the values at the wavelengths of a path.
+    colors: Option<Colors>,
+}
+
+/// Spectra of colours.
+#[derive(Clone, Debug, PartialEq)]
+enum Colors {
+    /// Of parameters, by the wavelength.
+    Curves(Arc<[(SpectrumKey, SpectralCurve)]>),
+    /// Of `color`, the mean of the smooth spectra of these colours by their weights.
+    Interpolated(Box<[(f32, Rgb)]>),
 }
 
 impl Measured {
@@ -105,9 +137,19 @@ impl Measured {
             return Measured { model: Box::new(self.model.in_spectrum(wavelengths)), colors: self.colors.clone() };
         }
         let mut model = self.model.in_spectrum::<C>(wavelengths);
-        for (key, curve) in self.colors.iter().flat_map(|colors| colors.iter()) {
-            let color = C::at_wavelengths(wavelengths, |nanometres| curve.at(nanometres.unwrap_or(0.0)));
-            model = model.with_color(*key, color);
+        match &self.colors {
+            Some(Colors::Curves(curves)) => {
+                for (key, curve) in curves.iter() {
+                    let color = C::at_wavelengths(wavelengths, |nanometres| curve.at(nanometres.unwrap_or(0.0)));
+                    model = model.with_color(*key, color);
+                }
+            }
+            Some(Colors::Interpolated(colors)) => {
+                let spectrum = |(weight, color): &(f32, Rgb)| C::from_reflectance(*color, wavelengths) * *weight;
+                let color = colors.iter().map(spectrum).fold(C::ZERO, |sum, part| sum + part);
+                model = model.with_color(SpectrumKey::Color, color);
+            }
+            None => {}
         }
         Measured { model: Box::new(model), colors: None }
     }

@@ -76,6 +76,11 @@ impl MetalFacet {
 
     /// The mean reflectance for light from all sides: weighed by the cosine.
     pub fn mean_reflectance(&self) -> Rgb {
+        if let Self::Filmed(metal) = self
+            && let Some(mean) = metal.mean()
+        {
+            return mean;
+        }
         Rgb::from_f64(average_of(|mu| self.reflectance(mu as f32).to_f64()))
     }
 }

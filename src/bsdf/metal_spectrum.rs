@@ -160,41 +160,37 @@ impl<C: Spectrum> MetalAt<C> {
     }
 }
 
-/// What a model of a metal knows of it by the wavelength: nothing, or the curves, or of a path its values.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MetalInSpectrum<C: Spectrum> {
-    curves: Option<MetalCurves>,
-    at: Option<Box<MetalAt<C>>>,
-}
-
-impl<C: Spectrum> Default for MetalInSpectrum<C> {
-    fn default() -> Self {
-        Self { curves: None, at: None }
-    }
+/// What a model of a metal knows of it by the wavelength.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum MetalInSpectrum<C: Spectrum> {
+    /// Nothing.
+    #[default]
+    Unknown,
+    /// The curves, of a model whose paths carry colours.
+    Curves(MetalCurves),
+    /// The values at the wavelengths of a path.
+    At(Box<MetalAt<C>>),
 }
 
 impl<C: Spectrum> MetalInSpectrum<C> {
-    pub(super) fn new(curves: MetalCurves) -> Self {
-        Self { curves: Some(curves), at: None }
-    }
-
     /// The values at the wavelengths of a path, for a model of which some are known.
     #[inline(always)]
     pub(super) fn at(&self) -> Option<&MetalAt<C>> {
-        if C::HAS_WAVELENGTHS { self.at.as_deref() } else { None }
+        match self {
+            Self::At(at) if C::HAS_WAVELENGTHS => Some(at),
+            _ => None,
+        }
     }
 
     pub(super) fn in_spectrum<D: Spectrum>(&self, wavelengths: &D::Wavelengths) -> MetalInSpectrum<D> {
-        let at = self.curves.as_ref().filter(|_| D::HAS_WAVELENGTHS).map(|curves| {
-            let metal = curves.get();
-            let at = |curve: &SpectralCurve| {
-                D::at_wavelengths(wavelengths, |nanometres| curve.at(nanometres.unwrap_or(0.0)))
-            };
-            Box::new(MetalAt { eta: at(&metal.eta), k: at(&metal.k), mean: at(&metal.mean) })
-        });
-        // Paths that carry colours keep the curves.
-        let curves = if D::HAS_WAVELENGTHS { None } else { self.curves.clone() };
-        MetalInSpectrum { curves, at }
+        let Self::Curves(curves) = self else { return MetalInSpectrum::Unknown };
+        if !D::HAS_WAVELENGTHS {
+            return MetalInSpectrum::Curves(curves.clone());
+        }
+        let metal = curves.get();
+        let at =
+            |curve: &SpectralCurve| D::at_wavelengths(wavelengths, |nanometres| curve.at(nanometres.unwrap_or(0.0)));
+        MetalInSpectrum::At(Box::new(MetalAt { eta: at(&metal.eta), k: at(&metal.k), mean: at(&metal.mean) }))
     }
 }
 
@@ -224,7 +220,7 @@ mod tests {
         let gold = METALS.iter().find(|metal| metal.symbol == "Au").unwrap().conductor();
         let curves = MetalCurves::new(&gold, &[]).unwrap();
         let wavelengths = SampledSpectrum::sample_wavelengths(|| 0.6);
-        let metal = MetalInSpectrum::<Rgb>::new(curves.clone()).in_spectrum::<SampledSpectrum>(&wavelengths);
+        let metal = MetalInSpectrum::<Rgb>::Curves(curves.clone()).in_spectrum::<SampledSpectrum>(&wavelengths);
         for cos in [1.0_f32, 0.6, 0.1] {
             let found = metal.at().unwrap().reflectance(cos).to_array();
             for (value, nanometres) in found.into_iter().zip(wavelengths.nanometres.to_array()) {
@@ -236,7 +232,7 @@ mod tests {
         let samples: SpectrumDesc = SpectrumDesc::samples("", [[400.0, 0.2], [700.0, 0.8]]).unwrap();
         let own = ConductorDesc::Reflectance { normal: Rgb::ONE, edge: Rgb::ONE };
         let own = MetalCurves::new(&own, &[(SpectrumKey::Reflectance, samples)]).unwrap();
-        let metal = MetalInSpectrum::<Rgb>::new(own).in_spectrum::<SampledSpectrum>(&wavelengths);
+        let metal = MetalInSpectrum::<Rgb>::Curves(own).in_spectrum::<SampledSpectrum>(&wavelengths);
         for (value, nanometres) in
             metal.at().unwrap().reflectance(1.0).to_array().into_iter().zip(wavelengths.nanometres.to_array())
         {

@@ -77,6 +77,7 @@ pub use rough_dielectric::RoughDielectric;
 pub use rough_thin_dielectric::RoughThinDielectric;
 pub use sheen::Sheen;
 pub use thin_dielectric::{Sheet, ThinDielectric};
+pub(crate) use thin_film::FilmRange;
 pub use thin_film::FilmedMetal;
 pub use tinted::TintedTransmission;
 
@@ -329,7 +330,7 @@ impl Bsdf {
         let named = |index: usize| match materials.get(index) {
             Some(material) => {
                 let bsdf = Self::within(&material.bsdf, &materials[..index], around);
-                bsdf.by_wavelength(&material.bsdf, &ByWavelength::new(material), around)
+                bsdf.by_wavelength(&material.bsdf, &ByWavelength::new(material), around, None)
             }
             None => Self::Black(Black),
         };

@@ -64,7 +64,7 @@ impl RoughConductor {
 
     /// The same metal in three channels, and this one by the wavelength.
     pub(super) fn measured(self, metal: MetalCurves) -> Self {
-        Self { by_wavelength: MetalInSpectrum::new(metal), ..self }
+        Self { by_wavelength: MetalInSpectrum::Curves(metal), ..self }
     }
 
     /// The same facets of a metal with a thin film.
@@ -102,12 +102,14 @@ impl<C: Spectrum> RoughConductor<C> {
         }
     }
 
+    /// F_ms at the wavelengths of a path, where the metal is known by the wavelength.
+    fn measured_multiple(&self) -> Option<C> {
+        self.by_wavelength.at().map(|metal| several_reflections(metal.mean, 1.0 - self.albedo))
+    }
+
     /// F_ms.
     fn multiple(&self) -> C {
-        match self.by_wavelength.at() {
-            Some(metal) => several_reflections(metal.mean, 1.0 - self.albedo),
-            None => C::from_reflectance(self.multiple, &self.wavelengths),
-        }
+        self.measured_multiple().unwrap_or_else(|| C::from_reflectance(self.multiple, &self.wavelengths))
     }
 
     /// What single scattering loses of light from `w`; 0 without compensation.
@@ -119,11 +121,7 @@ impl<C: Spectrum> RoughConductor<C> {
     /// Probability with which a cosine-distributed direction is drawn instead of a facet.
     #[inline]
     fn several(&self, missing: f32) -> f32 {
-        let most = match self.by_wavelength.at() {
-            Some(_) => self.multiple().max_element(),
-            None => self.multiple.max_element(),
-        };
-        missing * most
+        missing * self.measured_multiple().map_or(self.multiple.max_element(), C::max_element)
     }
 
     /// f cos(wi) and the density. Both directions are on the outer side, `m` is the normal of the facet between them, and

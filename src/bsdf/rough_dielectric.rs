@@ -97,6 +97,11 @@ memo!(
     PASSES: u64 => f64, 1024
 );
 
+memo!(
+    /// Mean share that smooth interfaces with a film let pass, by the numbers of the film and the relative index.
+    PASSES_FILM: ([u64; 2], u64) => f64, 1024
+);
+
 impl Multiple {
     /// `None` where nothing worth mentioning is scattered more than once.
     fn new(eta: f64, facets: &Microfacets) -> Option<Self> {
@@ -113,14 +118,17 @@ impl Multiple {
 
     /// As [`Self::new`], for facets with a film.
     fn of_film(film: &FilmedInterface, facets: &Microfacets) -> Option<Self> {
-        let eta = film.eta(None);
+        let (eta, film) = (film.eta(None), film.rounded());
         let missing = [(0, eta), (1, 1.0 / eta)].map(|(side, eta)| {
             MissingEnergy::of_film(facets, (eta, true), film.layer(), |cos| {
                 let reflected = film.grey(side, cos);
                 FacetShares { reflected, transmitted: Some((1.0 - reflected, eta)) }
             })
         });
-        Self::balanced(eta, missing, |of| 1.0 - average(|mu| film.grey(usize::from(of != eta), mu)))
+        Self::balanced(eta, missing, |of| {
+            let key = (film.layer(), of.to_bits());
+            PASSES_FILM.get(&key, || 1.0 - average(|mu| film.grey(usize::from(of != eta), mu)))
+        })
     }
 
     /// The shares of the sides, by what single scattering loses and by what a smooth interface of a relative index lets pass.

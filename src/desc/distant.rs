@@ -49,10 +49,6 @@ impl DistantLightDesc {
                 format!("{angle} is out of range, expected 0 to 180 degrees"),
             ));
         }
-        if let Some(spectrum) = &self.spectrum {
-            spectrum.check(&join(path, "spectrum"))?;
-            spectrum.light(&join(path, "spectrum"))?;
-        }
         let sine = (0.5 * angle.to_radians()).sin();
         if sine > 0.0 && !Rgb::from_f64(self.irradiance.to_f64() / (sine * sine)).is_finite() {
             let message = format!("{angle} is too small for this irradiance: the radiance is beyond single precision");

@@ -75,6 +75,11 @@ impl MaterialDesc {
         self.opacity >= 1.0 && self.textured(TextureKey::Opacity).is_none()
     }
 
+    /// The spectrum that a parameter has of its own.
+    pub fn spectrum(&self, key: SpectrumKey) -> Option<&SpectrumDesc> {
+        self.spectra.iter().find(|(known, _)| *known == key).map(|(_, spectrum)| spectrum)
+    }
+
     /// The texture that varies a parameter.
     pub fn textured(&self, key: TextureKey) -> Option<&TextureBinding> {
         self.textures.iter().find(|binding| binding.key == key)

@@ -1,7 +1,7 @@
 //! Materials whose parameters have spectra of their own.
 
 use super::json::join;
-use super::{BsdfDesc, ConductorDesc, MaterialDesc, MediumDesc, SpectrumKey, TextureKey, validate};
+use super::{BsdfDesc, ConductorDesc, MaterialDesc, MediumDesc, SpectrumDesc, SpectrumKey, TextureKey, validate};
 use crate::math::DVec3;
 use crate::spectrum::{Illuminant, Rgb, SmoothSpectrum, SpectralCurve, rec_709, tristimulus};
 use crate::{Error, Result};
@@ -51,24 +51,15 @@ pub(super) fn apply(material: &mut MaterialDesc) -> Result<()> {
             (SpectrumKey::Reflectance, BsdfDesc::Conductor { conductor, .. })
                 if !has(SpectrumKey::Eta) && !has(SpectrumKey::K) =>
             {
-                let edge = match *conductor {
-                    ConductorDesc::Reflectance { edge, .. } => edge,
-                    ConductorDesc::Index { .. } => Rgb::ONE,
-                };
+                let (edge, _) = other_halves(conductor);
                 *conductor = ConductorDesc::Reflectance { normal: share()?, edge };
             }
             (SpectrumKey::Eta, BsdfDesc::Conductor { conductor, .. }) if !has(SpectrumKey::Reflectance) => {
-                let k = match *conductor {
-                    ConductorDesc::Index { k, .. } => k,
-                    ConductorDesc::Reflectance { .. } => Rgb::ONE,
-                };
+                let (_, [_, k]) = other_halves(conductor);
                 *conductor = ConductorDesc::Index { eta: at_channels(f32::MIN_POSITIVE)?, k };
             }
             (SpectrumKey::K, BsdfDesc::Conductor { conductor, .. }) if !has(SpectrumKey::Reflectance) => {
-                let eta = match *conductor {
-                    ConductorDesc::Index { eta, .. } => eta,
-                    ConductorDesc::Reflectance { .. } => Rgb::ONE,
-                };
+                let (_, [eta, _]) = other_halves(conductor);
                 *conductor = ConductorDesc::Index { eta, k: at_channels(0.0)? };
             }
             (SpectrumKey::Absorption, BsdfDesc::Dielectric { .. } | BsdfDesc::RoughDielectric { .. }) => {
@@ -113,31 +104,43 @@ pub(super) fn apply(material: &mut MaterialDesc) -> Result<()> {
             return Err(Error::invalid(path, message));
         }
     }
-    if let BsdfDesc::DiffuseTransmission { reflectance, transmittance } = material.bsdf {
-        let share = |key: SpectrumKey, color: Rgb| match spectra.iter().find(|(known, _)| *known == key) {
-            Some((_, spectrum)) => spectrum.curve(&base),
-            // Beside a spectrum, a colour is the smooth reflectance that paths in wavelengths take it for.
-            None => {
-                let smooth = SmoothSpectrum::of_color(color);
-                Ok(SpectralCurve::of(|nanometres| f64::from(smooth.at(nanometres as f32))))
-            }
-        };
-        let shares = [share(SpectrumKey::Color, reflectance)?, share(SpectrumKey::Transmittance, transmittance)?];
-        let sums = shares[0].values().iter().zip(shares[1].values()).map(|(r, t)| r + t);
-        let most = sums.fold(0.0_f32, f32::max);
-        if most > 1.0 + 1e-3 {
-            let message = format!(
-                "what is reflected and what is transmitted sum to {most} at some wavelength, expected 1 at most"
-            );
-            return Err(Error::invalid(base, message));
-        }
-    }
-    // In three channels, colours outside of Rec. 709 may sum to more than the spectra do.
     if let BsdfDesc::DiffuseTransmission { reflectance, transmittance } = &mut material.bsdf {
+        check_sheet(&spectra, [*reflectance, *transmittance], &base)?;
+        // In three channels, colours outside of Rec. 709 may sum to more than the spectra do.
         let sums = (*reflectance + *transmittance).max(Rgb::ONE);
         (*reflectance, *transmittance) = (*reflectance / sums, *transmittance / sums);
     }
     material.spectra = spectra;
+    Ok(())
+}
+
+/// What of a conductor's description a spectrum of the other parameter keeps: the tint of the edge; and n and k. 1 for what it does not
+/// say.
+fn other_halves(conductor: &ConductorDesc) -> (Rgb, [Rgb; 2]) {
+    match *conductor {
+        ConductorDesc::Reflectance { edge, .. } => (edge, [Rgb::ONE; 2]),
+        ConductorDesc::Index { eta, k } => (Rgb::ONE, [eta, k]),
+    }
+}
+
+/// Checks that a sheet with these colours, of which some have spectra, scatters no more light of any wavelength than it gets.
+fn check_sheet(spectra: &[(SpectrumKey, SpectrumDesc)], colors: [Rgb; 2], path: &str) -> Result<()> {
+    let share = |key: SpectrumKey, color: Rgb| match spectra.iter().find(|(known, _)| *known == key) {
+        Some((_, spectrum)) => spectrum.curve(path),
+        // Beside a spectrum, a colour is the smooth reflectance that paths in wavelengths take it for.
+        None => {
+            let smooth = SmoothSpectrum::of_color(color);
+            Ok(SpectralCurve::of(|nanometres| f64::from(smooth.at(nanometres as f32))))
+        }
+    };
+    let shares = [share(SpectrumKey::Color, colors[0])?, share(SpectrumKey::Transmittance, colors[1])?];
+    let sums = shares[0].values().iter().zip(shares[1].values()).map(|(r, t)| r + t);
+    let most = sums.fold(0.0_f32, f32::max);
+    if most > 1.0 + 1e-3 {
+        let message =
+            format!("what is reflected and what is transmitted sum to {most} at some wavelength, expected 1 at most");
+        return Err(Error::invalid(path, message));
+    }
     Ok(())
 }
 

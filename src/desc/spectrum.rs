@@ -7,15 +7,13 @@ use super::validate;
 use crate::math::DVec3;
 use crate::photometry::of_luminance_one;
 use crate::spectrum::{
-    Beyond, DAYLIGHT_TEMPERATURES, Illuminant, LUMINANCE_WEIGHTS, Rgb, SpectralCurve, VISIBLE, black_body,
+    BLACK_BODY_TEMPERATURES, Beyond, DAYLIGHT_TEMPERATURES, Illuminant, LUMINANCE_WEIGHTS, Rgb, SpectralCurve, VISIBLE,
+    black_body,
 };
 use crate::{Error, Result};
 
 /// Most samples of a spectrum.
 pub const MOST_SPECTRUM_SAMPLES: usize = 100_000;
-
-/// The temperatures \[K\] of black bodies: below, nothing is seen of them, and above, the chromaticity does not change any more.
-const BLACK_BODY_TEMPERATURES: [f64; 2] = [500.0, 1e6];
 
 /// A spectrum.
 ///

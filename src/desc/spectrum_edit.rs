@@ -99,10 +99,7 @@ impl SceneDesc {
             SpectrumTarget::PointLight(number) => self.lights.get(number)?.spectrum.as_ref(),
             SpectrumTarget::DistantLight(number) => self.distant_lights.get(number)?.spectrum.as_ref(),
             SpectrumTarget::Environment => self.environment.as_ref()?.spectrum.as_ref(),
-            SpectrumTarget::Material(number, key) => {
-                let spectra = &self.materials.get(number)?.spectra;
-                spectra.iter().find(|(known, _)| *known == key).map(|(_, spectrum)| spectrum)
-            }
+            SpectrumTarget::Material(number, key) => self.materials.get(number)?.spectrum(key),
         }
     }
 }

@@ -265,10 +265,14 @@ keys! {
     FuzzColor = "fuzz_color",
     /// [`PrincipledDesc::fuzz_roughness`].
     FuzzRoughness = "fuzz_roughness",
+    /// The thickness of a thin film, as a factor: also values above 1.
+    FilmThickness = "filmThickness",
     /// The opacity of any material.
     Opacity = "opacity",
     /// The emission of a material that has one, as a factor: also values above 1.
     Emission = "emission",
+    /// The temperature of a material that emits as a black body, as a factor: also values above 1.
+    Temperature = "temperature",
     /// The shading normal of any material: red, green and blue are (x + 1) / 2, (y + 1) / 2 and (z + 1) / 2 of a normal in the frame of the
     /// tangents (x along u, y along v).
     Normal = "normal",
@@ -284,7 +288,7 @@ impl TextureKey {
 
     /// Whether it is not a parameter of the scattering model.
     pub fn is_of_surface(self) -> bool {
-        matches!(self, Self::Opacity | Self::Emission | Self::Normal | Self::Bump)
+        matches!(self, Self::Opacity | Self::Emission | Self::Temperature | Self::Normal | Self::Bump)
     }
 
     /// Whether it is a colour.
@@ -329,6 +333,7 @@ impl TextureKey {
                 | Self::CoatWeight
                 | Self::CoatRoughness
                 | Self::FuzzRoughness
+                | Self::FilmThickness
         )
     }
 }

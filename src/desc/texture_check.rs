@@ -5,8 +5,8 @@ use std::sync::Arc;
 use super::json::{elided, join};
 use super::validate::{number, reflectance};
 use super::{
-    EnvironmentDesc, MaterialDesc, MeshDesc, SkyDesc, SkyProjection, TextureDesc, TextureKey, TextureMapping,
-    TextureSource,
+    EnvironmentDesc, MaterialDesc, MeshDesc, SkyDesc, SkyProjection, SpectrumDesc, SpectrumKey, TextureDesc,
+    TextureKey, TextureMapping, TextureSource,
 };
 use crate::texture::{Pattern, TextureFilter};
 use crate::{Error, Result};
@@ -127,6 +127,20 @@ pub(super) fn environment(environment: &EnvironmentDesc, textures: &[Arc<Texture
     }
 }
 
+/// Checks the texture of a material's temperature.
+fn of_temperature(material: &MaterialDesc, texture: &TextureDesc) -> std::result::Result<(), &'static str> {
+    if !matches!(material.spectrum(SpectrumKey::Emission), Some(SpectrumDesc::BlackBody(_))) {
+        return Err("the material does not emit as a black body, on whose temperature the texture is a factor");
+    }
+    if material.textured(TextureKey::Emission).is_some() {
+        return Err("a texture varies the emission already, expected one of both");
+    }
+    if !matches!(texture.source, TextureSource::Image(_)) {
+        return Err("the texture is no image, expected one: its temperatures are turned into light before it is read");
+    }
+    Ok(())
+}
+
 /// Checks the textures of a material. Its model has been checked, as have `materials`, which come before it.
 pub(super) fn bindings(
     material: &MaterialDesc,
@@ -144,7 +158,11 @@ pub(super) fn bindings(
         if material.textures[..i].iter().any(|other| other.key == key) {
             return Err(Error::invalid(at, "this parameter has a texture already"));
         }
-        if !key.is_of_surface() && model.parameter(key).is_none() {
+        if key == TextureKey::FilmThickness {
+            if material.film.is_none() {
+                return Err(Error::invalid(at, "the material has no film, on whose thickness the texture is a factor"));
+            }
+        } else if !key.is_of_surface() && model.parameter(key).is_none() {
             let names: Vec<_> = model.parameters().into_iter().map(TextureKey::name).collect();
             let message = format!(
                 "a texture cannot vary `{}` of this {} material, expected one of {}",
@@ -158,13 +176,18 @@ pub(super) fn bindings(
             let message = "the material has no emission, on which the texture is a factor";
             return Err(Error::invalid(at, message));
         }
+        if key == TextureKey::Temperature {
+            of_temperature(material, texture).map_err(|message| Error::invalid(&at, message))?;
+        }
         number(&join(&at, "strength"), binding.strength.into())?;
         let cutoff = super::validate::within(&join(&at, "cutoff"), binding.cutoff.into(), 0.0, 1.0)?;
         if cutoff > 0.0 && key != TextureKey::Opacity {
             return Err(Error::invalid(join(&at, "cutoff"), "only an opacity has a cutoff, expected 0"));
         }
         // Lamps are sampled by texels, and heights and normals are no colours.
-        if texture.vertex_colors && matches!(key, TextureKey::Emission | TextureKey::Normal | TextureKey::Bump) {
+        if texture.vertex_colors
+            && matches!(key, TextureKey::Emission | TextureKey::Temperature | TextureKey::Normal | TextureKey::Bump)
+        {
             let message =
                 format!("`{}` cannot be multiplied by colours of vertices, expected a texture without", key.name());
             return Err(Error::invalid(at, message));

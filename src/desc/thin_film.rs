@@ -20,11 +20,6 @@ pub struct ThinFilmDesc {
 }
 
 impl ThinFilmDesc {
-    /// Index of refraction and thickness \[nm\].
-    pub(crate) fn numbers(&self) -> [f64; 2] {
-        [self.ior.into(), self.thickness.into()]
-    }
-
     /// Checks the numbers of a film at this path.
     pub(super) fn check(&self, path: &str) -> Result<()> {
         within(&join(path, "thickness"), self.thickness.into(), 0.0, THICKEST_FILM)?;

@@ -46,6 +46,7 @@ pub use moving::{MovingEmitter, MovingPoint};
 pub use portals::Portals;
 pub use receiver::Receiver;
 pub use sample::{Departure, EmitterSample};
+pub use spectra::PLANCKIAN;
 pub use sphere::SphereEmitter;
 pub use spot::Spot;
 pub use textured::{TextureCorners, TexturedTriangle};

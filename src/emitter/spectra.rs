@@ -5,10 +5,14 @@
 
 use super::EmitterSet;
 use crate::desc::LightSpectrum;
-use crate::spectrum::{Rgb, Spectrum, luminance};
+use crate::spectrum::{Rgb, Spectrum, black_body, black_body_luminance, black_body_temperature, luminance};
 
 /// The number of the spectrum of an emitter that has none of its own.
 const NONE: u32 = u32::MAX;
+
+/// The number that stands for spectra of black bodies whose temperatures vary over an emitter: of light, the spectrum of the one that has
+/// its colour.
+pub const PLANCKIAN: u32 = u32::MAX - 1;
 
 /// The spectra of a set's emitters.
 #[derive(Debug)]
@@ -20,14 +24,15 @@ pub(super) struct EmissionSpectra {
 }
 
 impl EmitterSet {
-    /// The set in which emitters have spectra: pairs of the number of an emitter and that of one of `spectra`.
+    /// The set in which emitters have spectra: pairs of the number of an emitter and that of one of `spectra`, or [`PLANCKIAN`].
     pub fn with_spectra(mut self, pairs: &[[u32; 2]], spectra: Vec<LightSpectrum>) -> Self {
         if pairs.is_empty() {
             return self;
         }
         let mut of = vec![NONE; self.emitters().len()];
         for &[emitter, spectrum] in pairs {
-            assert!((spectrum as usize) < spectra.len(), "spectrum {spectrum} of {} does not exist", spectra.len());
+            let exists = spectrum == PLANCKIAN || (spectrum as usize) < spectra.len();
+            assert!(exists, "spectrum {spectrum} of {} does not exist", spectra.len());
             of[emitter as usize] = spectrum;
             // Both sides of a surface shine alike.
             if let Some(back) = self.back_of(emitter) {
@@ -65,6 +70,7 @@ impl EmissionSpectra {
     fn light<C: Spectrum>(&self, index: u32, light: Rgb, wavelengths: &C::Wavelengths) -> C {
         let number = self.of.get(index as usize).copied().unwrap_or(NONE);
         match self.spectra.get(number as usize) {
+            None if number == PLANCKIAN => planckian(light, wavelengths),
             None => C::from_emission(light, wavelengths),
             Some(spectrum) => {
                 let at = |nanometres: Option<f32>| nanometres.map_or(1.0, |nanometres| spectrum.curve.at(nanometres));
@@ -72,6 +78,20 @@ impl EmissionSpectra {
             }
         }
     }
+}
+
+/// Light of the colour of a black body, in the channels of a path.
+fn planckian<C: Spectrum>(light: Rgb, wavelengths: &C::Wavelengths) -> C {
+    let level = f64::from(luminance(light));
+    // Not for darkness, and not for NaN.
+    if level.is_nan() || level <= 0.0 {
+        return C::from_emission(light, wavelengths);
+    }
+    let kelvin = black_body_temperature(light);
+    let level = level / black_body_luminance(kelvin);
+    C::at_wavelengths(wavelengths, |nanometres| {
+        nanometres.map_or(1.0, |nanometres| (level * black_body(kelvin, nanometres.into())) as f32)
+    })
 }
 
 #[cfg(test)]

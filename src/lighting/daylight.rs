@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::Calculation;
-use crate::desc::{EnvironmentDesc, GridDesc, GridPoints, SceneDesc, SceneMotion, SkyDesc, TextureKey};
+use crate::desc::{EnvironmentDesc, GridDesc, GridPoints, SceneDesc, SceneMotion, SkyDesc, SpectrumKey, TextureKey};
 use crate::error::{Error, ErrorKind, Result};
 use crate::math::DVec3;
 use crate::render::RenderSettings;
@@ -29,7 +29,8 @@ pub fn daylight_only(desc: &SceneDesc) -> Result<SceneDesc> {
     desc.surfaces.iter_mut().for_each(|surface| surface.emission = None);
     for material in &mut desc.materials {
         material.emission = None;
-        material.textures.retain(|binding| binding.key != TextureKey::Emission);
+        material.spectra.retain(|(key, _)| *key != SpectrumKey::Emission);
+        material.textures.retain(|binding| !matches!(binding.key, TextureKey::Emission | TextureKey::Temperature));
     }
     Ok(desc)
 }

@@ -20,8 +20,8 @@ use crate::desc::{
 };
 use crate::emitter::{
     DirectedPoint, DiskEmitter, DistantEmitter, Distribution, Emitter, EmitterSet, EnvironmentEmitter, EnvironmentMap,
-    EnvironmentMapEmitter, InfiniteBall, InnerTubeEmitter, MovingEmitter, MovingPoint, Portals, SphereEmitter, Spot,
-    TriangleEmitter, TubeEmitter, TurnedWeb,
+    EnvironmentMapEmitter, InfiniteBall, InnerTubeEmitter, MovingEmitter, MovingPoint, PLANCKIAN, Portals,
+    SphereEmitter, Spot, TriangleEmitter, TubeEmitter, TurnedWeb,
 };
 use crate::error::{Error, ErrorKind, Result};
 use crate::math::{Bounds, DVec3, Vec3};
@@ -186,8 +186,13 @@ impl BindingBuilder<'_, '_> {
     /// Adds an emitter of a surface, and that of the other side where there is one; returns the number of the first.
     fn push(&mut self, surface: u32, front: Emitter, back: Option<Emitter>) -> u32 {
         let number = self.emitters.len() as u32;
-        let spectrum = self.desc.surfaces[surface as usize].spectrum.as_ref();
-        self.push_with(spectrum, front);
+        let desc = &self.desc.surfaces[surface as usize];
+        if self.textures.get(desc.material).and_then(Option::as_ref).is_some_and(EmissionTexture::is_planckian) {
+            self.spectra.pairs.push([number, PLANCKIAN]);
+            self.emitters.push(front);
+        } else {
+            self.push_with(desc.spectrum.as_ref(), front);
+        }
         self.backs.extend(back.map(|back| (number, back)));
         number
     }

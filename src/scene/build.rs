@@ -164,7 +164,7 @@ fn bsdfs(desc: &SceneDesc, used: &[bool]) -> Vec<Bsdf> {
             return Bsdf::Black(Black);
         }
         let bsdf = Bsdf::of_materials(&material.bsdf, &desc.materials[..i]);
-        bsdf.by_wavelength(&material.bsdf, &ByWavelength::new(material), None)
+        bsdf.by_wavelength(&material.bsdf, &ByWavelength::new(material), None, None)
     };
     desc.materials.iter().enumerate().map(of).collect()
 }

@@ -5,7 +5,8 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use super::lower::{mesh_of, wound};
-use crate::desc::{AreaWebDesc, SceneDesc, ShapeDesc, SurfaceDesc, TextureKey};
+use super::textured_emission::binding_of;
+use crate::desc::{AreaWebDesc, SceneDesc, ShapeDesc, SurfaceDesc};
 use crate::emitter::{DiskEmitter, Emitter, FlatEmitter, TriangleEmitter, TurnedWeb, WebArea};
 use crate::error::{Error, ErrorKind, Result};
 use crate::math::{Bounds, DVec3};
@@ -59,8 +60,7 @@ impl EmissionWeb {
         if deforms || desc.motion.surfaces.contains_key(&number) {
             return refuse("motion", "a surface with a photometric web cannot move, expected one that rests");
         }
-        let material = desc.materials.get(surface.material);
-        if material.is_some_and(|material| material.textured(TextureKey::Emission).is_some()) {
+        if binding_of(desc, surface).is_some() {
             let message = "a texture varies the emission already, expected a material without one where there is a photometric web";
             return refuse("web", message);
         }

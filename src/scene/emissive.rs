@@ -23,8 +23,7 @@ pub(super) fn with_emission_of_materials(desc: &SceneDesc) -> Result<Cow<'_, Sce
             surface.web = None;
             let material = &desc.materials[surface.material];
             surface.emission = material.emission;
-            let own = material.spectra.iter().find(|(key, _)| *key == SpectrumKey::Emission);
-            surface.spectrum = own.map(|(_, spectrum)| spectrum.clone());
+            surface.spectrum = material.spectrum(SpectrumKey::Emission).cloned();
         }
     }
     Ok(Cow::Owned(lit))

@@ -21,6 +21,11 @@ pub trait VaryingMaterial: Debug + Send + Sync {
         self.bsdf(at)
     }
 
+    /// As [`Self::bsdf`], for paths in wavelengths: colours that it interpolates may become spectra first.
+    fn bsdf_by_wavelength(&self, at: &SurfaceDetail) -> Bsdf {
+        self.bsdf(at)
+    }
+
     /// The Bsdf whose colours are the means over the surface, for solvers that have one value for each element.
     fn mean(&self) -> Bsdf;
 
@@ -155,6 +160,9 @@ impl Material {
         }
         let bsdf: &Bsdf<C> = match &self.varying {
             None => slot.insert(self.bsdf.in_spectrum(wavelengths)),
+            Some(varying) if C::HAS_WAVELENGTHS => {
+                slot.insert(ask_by_wavelength(&**varying, detail).in_spectrum(wavelengths))
+            }
             Some(varying) => slot.insert(ask(&**varying, detail).in_spectrum(wavelengths)),
         };
         (bsdf, bsdf.lit_lobes())
@@ -259,6 +267,12 @@ fn own_normal<'a>(varying: &dyn VaryingMaterial, detail: impl FnOnce(bool) -> Su
 #[inline(never)]
 fn ask<'a>(varying: &dyn VaryingMaterial, detail: impl FnOnce(bool) -> SurfaceDetail<'a>) -> Bsdf {
     varying.bsdf(&detail(varying.asks_tangents()))
+}
+
+#[cold]
+#[inline(never)]
+fn ask_by_wavelength<'a>(varying: &dyn VaryingMaterial, detail: impl FnOnce(bool) -> SurfaceDetail<'a>) -> Bsdf {
+    varying.bsdf_by_wavelength(&detail(varying.asks_tangents()))
 }
 
 /// What the materials of a scene need to know of a hit. What none of them needs is not computed.

@@ -308,7 +308,7 @@ impl Scene {
                     let (before, rest) = all.materials.split_at(material as usize);
                     rest.first().map_or(Bsdf::Black(Black), |own| {
                         let (bsdf, by) = (Bsdf::within(&own.bsdf, before, Some(outer.ior)), ByWavelength::new(own));
-                        bsdf.by_wavelength(&own.bsdf, &by, Some(outer.ior)).dispersing(inner, outer)
+                        bsdf.by_wavelength(&own.bsdf, &by, Some(outer.ior), None).dispersing(inner, outer)
                     })
                 });
                 if bsdf.is_anisotropic() {

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::textured_emission::{bytes_of_light, texture_of_light};
 use crate::desc::{ImageTextureDesc, MaterialDesc, SceneDesc, TextureDesc, TextureKey, TextureSource};
 use crate::embree::{Charge, Device};
 use crate::emitter::EnvironmentMap;
@@ -37,6 +38,8 @@ pub(super) struct PreparedTextures {
     colors: Option<VertexColors>,
     /// The light from infinity that a texture varies, and what its tables take of the device's allowance.
     sky: Option<(Arc<EnvironmentMap>, Option<Arc<Charge>>)>,
+    /// What images of the light of temperatures take of the device's allowance.
+    light: Vec<Arc<Charge>>,
 }
 
 /// What is known of the colours of all vertices before a point is known. Vertices without colours, which are white, count for the range.
@@ -77,9 +80,14 @@ impl PreparedTextures {
         before: Option<&Self>,
         device: &Device,
     ) -> Result<()> {
-        let binding = material.textured(TextureKey::Emission);
-        let Some(texture) = binding.and_then(|binding| desc.textures.get(binding.texture)) else { return Ok(()) };
-        self.get(texture, Reads::Color, before, device).map(|_| ())
+        let Some(binding) = texture_of_light(material) else { return Ok(()) };
+        let Some(texture) = desc.textures.get(binding.texture) else { return Ok(()) };
+        if let (TextureKey::Temperature, TextureSource::Image(it)) = (binding.key, &texture.source) {
+            let charge = device.charge(bytes_of_light(&it.image)).map_err(|error| error.at(&texture.path))?;
+            self.light.extend(charge.map(Arc::new));
+        }
+        let reads = if binding.key.is_color() { Reads::Color } else { Reads::Numbers };
+        self.get(texture, reads, before, device).map(|_| ())
     }
 
     /// Charges the texture of the environment, and the tables by which its light is sampled.

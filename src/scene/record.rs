@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Weak};
 
 use super::mesh::MeshObject;
-use super::textured_emission::binding_of;
+use super::textured_emission::{binding_of, texture_of_light};
 use crate::desc::{
     AreaWebDesc, DistantLightDesc, EnvironmentDesc, EnvironmentMapDesc, LightDistribution, MeshDesc, MeshStep,
     MotionDesc, PointLightDesc, PortalDesc, SceneDesc, ShapeDesc, SkyDesc, SpectrumDesc, SurfaceDesc, TextureChannel,
@@ -216,7 +216,7 @@ pub(super) struct AppearanceKey {
     /// Photometric webs of surfaces, by their numbers.
     webs: Vec<(usize, Arc<AreaWebDesc>)>,
     /// The textures that vary emissions, of each surface; empty where there are none.
-    emission_textures: Vec<Option<(Arc<TextureDesc>, TextureChannel)>>,
+    emission_textures: Vec<Option<(Arc<TextureDesc>, TextureKey, TextureChannel)>>,
     /// Spectra of emissions, by the numbers of surfaces.
     spectra: Vec<(usize, SpectrumDesc)>,
     lights: Vec<(DVec3, Rgb, LightDistribution, Option<SpectrumDesc>)>,
@@ -259,10 +259,10 @@ impl EnvironmentKey {
 
 impl AppearanceKey {
     pub(super) fn new(desc: &SceneDesc) -> Self {
-        let is_textured = desc.materials.iter().any(|material| material.textured(TextureKey::Emission).is_some());
+        let is_textured = desc.materials.iter().any(|material| texture_of_light(material).is_some());
         let texture_of = |surface: &SurfaceDesc| {
             let binding = binding_of(desc, surface)?;
-            Some((Arc::clone(desc.textures.get(binding.texture)?), binding.channel))
+            Some((Arc::clone(desc.textures.get(binding.texture)?), binding.key, binding.channel))
         };
         let web = |(number, surface): (usize, &SurfaceDesc)| Some((number, Arc::clone(surface.web.as_ref()?)));
         let light = |light: &PointLightDesc| {

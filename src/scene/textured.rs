@@ -7,10 +7,10 @@ use super::prepared_textures::{PreparedTextures, Reads, VertexColors};
 use super::projection::Coordinates;
 use super::relief::Relief;
 use super::{SurfaceDetail, VaryingMaterial};
-use crate::bsdf::{Black, Bsdf, ByWavelength, Lobes, Mix, Model as _, TwoSided};
+use crate::bsdf::{Black, Bsdf, ByWavelength, FilmRange, Lobes, Mix, Model as _, TwoSided};
 use crate::desc::{
-    BsdfDesc, MaterialDesc, Parameter, SceneDesc, TextureBinding, TextureChannel, TextureKey, TextureMapping,
-    TextureSource,
+    BsdfDesc, MaterialDesc, Parameter, SceneDesc, THICKEST_FILM, TextureBinding, TextureChannel, TextureKey,
+    TextureMapping, TextureSource, ThinFilmDesc,
 };
 use crate::embree::Device;
 use crate::math::{DVec3, Vec3};
@@ -121,6 +121,24 @@ impl Bound {
     pub fn texel_at(&self, at: &SurfaceDetail) -> Texel {
         let texel = self.texture.at(&self.placement.point(at, self.asks_footprint));
         if self.colors.is_some() { times(texel, at.vertex_color()) } else { texel }
+    }
+
+    /// The colours between which the texture interpolates there, and their weights.
+    fn colors(&self, at: &SurfaceDetail) -> Vec<(f32, Rgb)> {
+        let own;
+        let at = match &self.coordinates {
+            Coordinates::Own => at,
+            coordinates => {
+                own = coordinates.apply(at);
+                &own
+            }
+        };
+        let mut colors = Vec::with_capacity(4);
+        self.texture.each_texel(&self.placement.point(at, self.asks_footprint), &mut |weight, texel| {
+            let texel = if self.colors.is_some() { times(texel, at.vertex_color()) } else { texel };
+            colors.push((weight, self.color(&texel)));
+        });
+        colors
     }
 
     fn mean(&self) -> Texel {
@@ -239,7 +257,7 @@ impl Binder<'_> {
             desc if !varies(material, before) && !self.widens && !is_mixed_body => {
                 let body = desc.interior().is_some().then_some(desc);
                 let by = ByWavelength::new(material);
-                let bsdf = Bsdf::of_materials(&desc, before).by_wavelength(&desc, &by, None);
+                let bsdf = Bsdf::of_materials(&desc, before).by_wavelength(&desc, &by, None, None);
                 Recipe::Fixed { bsdf: Box::new(bsdf), body, by }
             }
             BsdfDesc::Mix { materials, .. } => {
@@ -249,11 +267,21 @@ impl Binder<'_> {
             BsdfDesc::TwoSided { front, back } => Recipe::TwoSided(self.parts([front, back], number)?),
             desc => {
                 let (bound, steps) = self.of_model(material)?;
-                let (is_body, by) = (desc.interior().is_some(), ByWavelength::new(material));
-                Recipe::Model { desc, bound, steps, is_body, by }
+                let film = material.film.map(|film| films_of(film, &bound));
+                let (is_body, by) = (desc.interior().is_some(), ByWavelength::with_film(material, film));
+                let thickness = material.film.map_or(0.0, |film| film.thickness);
+                Recipe::Model { desc, bound, steps, is_body, by, thickness }
             }
         })
     }
+}
+
+/// The films of a material, of which a texture may vary the thickness.
+fn films_of(film: ThinFilmDesc, bound: &[Bound]) -> FilmRange {
+    let Some(bound) = bound.iter().find(|bound| bound.key == TextureKey::FilmThickness) else { return film.into() };
+    let end = |end: usize| film.thickness * bound.number(&bound.end(end));
+    let [least, most] = [0, 1].map(|it| end(it).clamp(0.0, THICKEST_FILM as f32));
+    FilmRange { ior: film.ior, thickness: [least.min(most), most] }
 }
 
 /// Whether textures vary the model of a material or of one of its parts.
@@ -303,8 +331,9 @@ pub(super) fn has_varying_bsdf(desc: &SceneDesc, number: usize) -> bool {
 enum Recipe {
     /// The same everywhere; of a body, the description, since its surface is another one in each medium around it.
     Fixed { bsdf: Box<Bsdf>, body: Option<BsdfDesc>, by: ByWavelength },
-    /// A model with its parameters, the steps to which widened facets are rounded, and whether its surfaces bound bodies.
-    Model { desc: BsdfDesc, bound: Box<[Bound]>, steps: f32, is_body: bool, by: ByWavelength },
+    /// A model with its parameters, the steps to which widened facets are rounded, whether its surfaces bound bodies, and the
+    /// thickness of its film \[nm\].
+    Model { desc: BsdfDesc, bound: Box<[Bound]>, steps: f32, is_body: bool, by: ByWavelength, thickness: f32 },
     /// A mixture.
     Mix { desc: BsdfDesc, parts: Box<[Recipe; 2]>, weight: Box<[Bound]> },
     /// A model for each side.
@@ -318,33 +347,44 @@ impl Recipe {
 
     /// The Bsdf where the textures have the texels that `texel` gives, and slopes vary so much where a filter has averaged them.
     /// `around`: the index of refraction around a body, where it is not the one that the description states.
-    fn bsdf(&self, texel: &dyn Fn(&Bound) -> Texel, variance: f32, around: Option<f32>) -> Bsdf {
+    /// `spread`: the point, for paths in wavelengths, where texels become spectra before they are interpolated.
+    fn bsdf(
+        &self,
+        texel: &dyn Fn(&Bound) -> Texel,
+        variance: f32,
+        around: Option<f32>,
+        spread: Option<&SurfaceDetail>,
+    ) -> Bsdf {
+        let of = |part: &Self| part.bsdf(texel, variance, around, spread);
         match self {
             Self::Fixed { bsdf, body, by } => match (around, body) {
-                (Some(_), Some(desc)) => Bsdf::at_point(desc, around).by_wavelength(desc, by, around),
+                (Some(_), Some(desc)) => Bsdf::at_point(desc, around).by_wavelength(desc, by, around, None),
                 _ => Bsdf::clone(bsdf),
             },
-            Self::Model { desc, bound, steps, is_body, by } => {
+            Self::Model { desc, bound, steps, is_body, by, thickness } => {
+                let stated = desc;
+                let film = bound.iter().find(|bound| bound.key == TextureKey::FilmThickness);
+                let thickness = film.map(|bound| thickness * bound.number(&texel(bound)));
                 let mut desc = applied(desc, bound, texel);
                 if variance > 0.0 {
                     desc.widen(variance, |width| rounded(width, *steps));
                 }
                 let around = around.filter(|_| *is_body);
-                Bsdf::at_point(&desc, around).by_wavelength(&desc, by, around)
+                let bsdf = Bsdf::at_point(&desc, around).by_wavelength(&desc, by, around, thickness);
+                match spread.and_then(|at| spread_color(stated, bound, at)) {
+                    Some(colors) => bsdf.with_interpolated_color(colors),
+                    None => bsdf,
+                }
             }
             Self::Mix { desc, parts, weight } => {
                 let BsdfDesc::Mix { weight, .. } = applied(desc, weight, texel) else { return Bsdf::Black(Black) };
                 match weight {
-                    0.0 => parts[0].bsdf(texel, variance, around),
-                    1.0 => parts[1].bsdf(texel, variance, around),
-                    weight => {
-                        Bsdf::Mix(Mix::new(parts.each_ref().map(|part| part.bsdf(texel, variance, around)), weight))
-                    }
+                    0.0 => of(&parts[0]),
+                    1.0 => of(&parts[1]),
+                    weight => Bsdf::Mix(Mix::new(parts.each_ref().map(of), weight)),
                 }
             }
-            Self::TwoSided(faces) => {
-                Bsdf::TwoSided(TwoSided::new(faces.each_ref().map(|face| face.bsdf(texel, variance, around))))
-            }
+            Self::TwoSided(faces) => Bsdf::TwoSided(TwoSided::new(faces.each_ref().map(of))),
         }
     }
 
@@ -359,6 +399,24 @@ impl Recipe {
             Self::TwoSided(faces) => faces.iter().for_each(|face| face.each(f)),
         }
     }
+}
+
+/// The colours between which the `color` of a model is interpolated at a point, and their weights; `None` where they are all the same,
+/// and for models whose colours are more than a factor.
+fn spread_color(stated: &BsdfDesc, bound: &[Bound], at: &SurfaceDetail) -> Option<Box<[(f32, Rgb)]>> {
+    let factor = match *stated {
+        BsdfDesc::Lambert { albedo: color }
+        | BsdfDesc::OrenNayar { albedo: color, .. }
+        | BsdfDesc::OrenNayarQualitative { albedo: color, .. }
+        | BsdfDesc::Eon { albedo: color, .. }
+        | BsdfDesc::Mirror { reflectance: color }
+        | BsdfDesc::Sheen { color, .. } => color,
+        _ => return None,
+    };
+    let bound = bound.iter().find(|bound| bound.key == TextureKey::Color && bound.is_whole)?;
+    let mut colors = bound.colors(at);
+    colors.iter_mut().for_each(|(_, color)| *color = (factor * *color).max(Rgb::ZERO).min(Rgb::ONE));
+    colors.windows(2).any(|pair| pair[0].1 != pair[1].1).then(|| colors.into())
 }
 
 /// The description of a model at a point.
@@ -424,7 +482,7 @@ impl Textured {
         let opacity = surface(material.textured(TextureKey::Opacity))?;
         let cutoff = material.textured(TextureKey::Opacity).map_or(0.0, |binding| binding.cutoff);
         let normal = surface(relief_of(material))?.map(|bound| Relief { bound, has_slopes: slopes.is_some() });
-        let recipe_bsdf = |texel: &dyn Fn(&Bound) -> Texel| recipe.bsdf(texel, 0.0, None);
+        let recipe_bsdf = |texel: &dyn Fn(&Bound) -> Texel| recipe.bsdf(texel, 0.0, None, None);
         let mean = recipe_bsdf(&Bound::mean);
         // Each parameter at its smallest and largest while the others are at their means; all together; and those of rough surfaces
         // at their smallest while all others are at either end.
@@ -455,20 +513,24 @@ impl Textured {
 }
 
 impl Textured {
-    fn bsdf_at(&self, at: &SurfaceDetail, around: Option<f32>) -> Bsdf {
+    fn bsdf_at(&self, at: &SurfaceDetail, around: Option<f32>, spread: Option<&SurfaceDetail>) -> Bsdf {
         let variance = self.normal.as_ref().filter(|_| self.widens).map_or(0.0, |it| it.variance(at));
-        let bsdf = self.recipe.bsdf(&|bound| bound.texel(at), variance, around);
+        let bsdf = self.recipe.bsdf(&|bound| bound.texel(at), variance, around, spread);
         if bsdf.is_anisotropic() { turned_with_tangents(&bsdf, at) } else { bsdf }
     }
 }
 
 impl VaryingMaterial for Textured {
     fn bsdf(&self, at: &SurfaceDetail) -> Bsdf {
-        self.bsdf_at(at, None)
+        self.bsdf_at(at, None, None)
     }
 
     fn bsdf_in(&self, at: &SurfaceDetail, around: f32) -> Bsdf {
-        self.bsdf_at(at, Some(around))
+        self.bsdf_at(at, Some(around), None)
+    }
+
+    fn bsdf_by_wavelength(&self, at: &SurfaceDetail) -> Bsdf {
+        self.bsdf_at(at, None, Some(at))
     }
 
     fn mean(&self) -> Bsdf {

@@ -3,6 +3,7 @@
 mod curve;
 mod illuminant;
 mod observer;
+mod planckian;
 mod primaries;
 mod rgb;
 mod sampled;
@@ -12,6 +13,7 @@ mod upsample;
 pub use curve::{Beyond, SpectralCurve};
 pub use illuminant::{DAYLIGHT_TEMPERATURES, Illuminant, black_body};
 pub use observer::{REC_709_FROM_XYZ, VISIBLE, XYZ_FROM_REC_709, color_matching, rec_709, tristimulus, white_balance};
+pub use planckian::{BLACK_BODY_TEMPERATURES, black_body_color, black_body_luminance, black_body_temperature};
 pub use primaries::Primaries;
 pub use rgb::Rgb;
 pub use sampled::{SampledSpectrum, SampledWavelengths};

@@ -157,14 +157,20 @@ impl ImageTexture {
         }
     }
 
-    pub(super) fn at(&self, at: &TexturePoint) -> Texel {
+    /// The coordinates at which texels are looked up.
+    #[inline]
+    fn coordinates(&self, at: &TexturePoint) -> [f32; 2] {
         // Beyond these coordinates single precision knows no texels.
-        let uv = [0, 1].map(|i: usize| {
+        [0, 1].map(|i: usize| {
             let c = at.uv[i];
             let c = if c.is_finite() { c.clamp(-MOST_COORDINATE, MOST_COORDINATE) } else { 0.0 };
             // Near 0 single precision is finest, and texels need no division to be found.
             if self.wrap[i] == Wrap::Repeat { c - c.floor() } else { c }
-        });
+        })
+    }
+
+    pub(super) fn at(&self, at: &TexturePoint) -> Texel {
+        let uv = self.coordinates(at);
         match self.filter {
             TextureFilter::Nearest => self.nearest(0, uv),
             TextureFilter::Bilinear => self.bilinear(0, uv),
@@ -223,26 +229,65 @@ impl ImageTexture {
         if level == 0 { [value[0], value[1], value[0] * value[0], value[1] * value[1]] } else { value }
     }
 
+    /// Calls `each` with the texels between which [`Self::at`] interpolates, and their weights: those of the image, or of its levels.
+    /// What other filters average over a footprint counts as one texel.
+    pub(super) fn each_texel(&self, at: &TexturePoint, each: &mut dyn FnMut(f32, Texel)) {
+        let uv = self.coordinates(at);
+        match self.filter {
+            TextureFilter::Bilinear => self.each_bilinear(0, uv, 1.0, each),
+            TextureFilter::Mip => {
+                let (lower, share) = self.levels(self.width_across(&at.axes));
+                self.each_bilinear(lower, uv, 1.0 - share, each);
+                if share > 0.0 {
+                    self.each_bilinear((lower + 1).min(self.last_level()), uv, share, each);
+                }
+            }
+            TextureFilter::Nearest | TextureFilter::Ewa | TextureFilter::Stochastic => each(1.0, self.at(at)),
+        }
+    }
+
+    /// The four texels of [`Self::bilinear`] with their weights, times a factor.
+    fn each_bilinear(&self, level: usize, uv: [f32; 2], factor: f32, each: &mut dyn FnMut(f32, Texel)) {
+        let place = self.place(level, uv);
+        let [x, y] = place.map(|x| x.floor() as i64);
+        let [s, t] = [place[0] - x as f32, place[1] - y as f32];
+        for (dx, dy, weight) in
+            [(0, 0, (1.0 - s) * (1.0 - t)), (1, 0, s * (1.0 - t)), (0, 1, (1.0 - s) * t), (1, 1, s * t)]
+        {
+            each(factor * weight, self.texel(level, [x + dx, y + dy]));
+        }
+    }
+
     fn mip(&self, uv: [f32; 2], axes: &[[f32; 2]; 2]) -> Texel {
+        self.between_levels(uv, self.width_across(axes))
+    }
+
+    /// The longer axis of a footprint in texels of the image.
+    fn width_across(&self, axes: &[[f32; 2]; 2]) -> f32 {
         let size = self.size(0).map(|n| n as f32);
         let length = |[u, v]: [f32; 2]| (u * size[0]).hypot(v * size[1]);
-        self.between_levels(uv, length(axes[0]).max(length(axes[1])))
+        length(axes[0]).max(length(axes[1]))
+    }
+
+    /// The lower of the two levels whose texels are about `width` texels of the image wide, and the share of the other.
+    fn levels(&self, width: f32) -> (usize, f32) {
+        let last = self.last_level();
+        let level = width.max(1.0).log2().min(last as f32);
+        if level.is_nan() || level <= 0.0 {
+            return (0, 0.0);
+        }
+        let lower = (level.floor() as usize).min(last);
+        (lower, level - lower as f32)
     }
 
     /// Between the two levels whose texels are about `width` texels of the image wide.
     fn between_levels(&self, uv: [f32; 2], width: f32) -> Texel {
-        let last = self.last_level();
-        let level = width.max(1.0).log2().min(last as f32);
-        if level.is_nan() || level <= 0.0 {
-            return self.bilinear(0, uv);
-        }
-        let lower = (level.floor() as usize).min(last);
-        let share = level - lower as f32;
+        let (lower, share) = self.levels(width);
         let a = self.bilinear(lower, uv);
         if share == 0.0 {
             return a;
         }
-        let b = self.bilinear((lower + 1).min(last), uv);
+        let b = self.bilinear((lower + 1).min(self.last_level()), uv);
         std::array::from_fn(|c| a[c] + share * (b[c] - a[c]))
     }
 

@@ -79,6 +79,15 @@ impl Texture {
         }
     }
 
+    /// Calls `each` with the texels between which [`Self::at`] interpolates, and their weights, which sum to 1; once with the value itself
+    /// where nothing is interpolated.
+    pub fn each_texel(&self, at: &TexturePoint, each: &mut dyn FnMut(f32, Texel)) {
+        match self {
+            Self::Image(image) => image.each_texel(at, each),
+            Self::Procedural(..) | Self::White => each(1.0, self.at(at)),
+        }
+    }
+
     /// The mean over the texture, where each part of it counts alike.
     pub fn mean(&self) -> Texel {
         match self {

@@ -331,6 +331,18 @@ fn textured(scene: &mut SceneDesc) {
     let shining =
         MaterialDesc { emission: Some(rgb(2.0, 1.0, 3.0)), textures: bind(&[K::Emission]), ..MaterialDesc::default() };
     scene.add_material_desc(shining).unwrap();
+    let film = Some(ThinFilmDesc { thickness: third(1000.0), ior: third(4.0) });
+    let anodised = BsdfDesc::Conductor { conductor, microfacets };
+    let textures = bind(&[K::FilmThickness]);
+    scene.add_material_desc(MaterialDesc { bsdf: anodised, film, textures, ..MaterialDesc::default() }).unwrap();
+    let is_image = |number: &&usize| matches!(scene.textures[**number].source, TextureSource::Image(_));
+    let texture = *usable.iter().find(is_image).unwrap();
+    let heated = MaterialDesc {
+        spectra: vec![(SpectrumKey::Emission, SpectrumDesc::BlackBody(8000.0 / 3.0))],
+        textures: vec![TextureBinding { texture, ..bind(&[K::Temperature])[0] }],
+        ..MaterialDesc::default()
+    };
+    scene.add_material_desc(heated).unwrap();
     // Colours of vertices, alone and on an image and a pattern.
     let white = TextureDesc::of_vertex_colors("vertex colors".into(), String::new());
     let times = |number: usize| TextureDesc {

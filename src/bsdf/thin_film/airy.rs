@@ -77,4 +77,54 @@ impl Stack {
         // Numbers beyond double precision are those of media that no light enters.
         if reflectance.is_nan() { 1.0 } else { reflectance.min(1.0) }
     }
+
+    /// What of the reflectance does not depend on the thickness; `None` where everything is reflected.
+    pub fn fringes(&self, cos: f64) -> Option<Fringes> {
+        let c = cos.abs().min(1.0);
+        let behind = self.behind;
+        let unit = Complex::real(1.0);
+        let q2_squared = (behind - unit) * (behind + unit) + Complex::real(c * c);
+        let is_closed = behind.im == 0.0 && q2_squared.re <= 0.0;
+        if c == 0.0 || behind.re.is_infinite() || behind.im.is_infinite() || is_closed {
+            return None;
+        }
+        let q2 = q2_squared.upper_root();
+        // Next to the critical angle of the film for that angle itself, where amplitudes have no quotients.
+        const NEXT: f64 = 1e-12;
+        let squared = (self.film - 1.0) * (self.film + 1.0) + c * c;
+        let squared = if squared.abs() < NEXT { NEXT } else { squared };
+        let q = Complex::real(squared.abs()).upper_root();
+        let q = if squared < 0.0 { Complex::new(0.0, q.re) } else { q };
+        let polarised = |p2: Complex, m: f64| {
+            let p0 = Complex::real(c);
+            let (product, own) = (p2 * (c * m), Complex::real(squared / m));
+            let [less, more] = [(product - own) / q, (product + own) / q];
+            [p0 - p2 + less, p0 - p2 - less, p0 + p2 + more, p0 + p2 - more]
+        };
+        let amplitudes = [polarised(q2, 1.0), polarised(q2 / (behind * behind), self.film * self.film)];
+        Some(Fringes { rate: Complex::new(0.0, 2.0 * self.phase) * q, amplitudes })
+    }
+}
+
+/// A film of any thickness at one angle and wavelength: r = (a + b E) / (c + d E) for both polarisations, where E = exp(t times a
+/// rate) and t is the thickness over that of the [`Stack`] it was made from.
+#[derive(Clone, Copy, Debug)]
+pub struct Fringes {
+    rate: Complex,
+    amplitudes: [[Complex; 4]; 2],
+}
+
+impl Fringes {
+    /// E of a film that is `t` times as thick.
+    pub fn echo(&self, t: f64) -> Complex {
+        let (sin, cos) = (self.rate.im * t).sin_cos();
+        Complex::new(cos, sin) * (self.rate.re * t).exp()
+    }
+
+    /// The reflectance of a film with this E, as [`Stack::reflectance`].
+    pub fn reflectance(&self, echo: Complex) -> f64 {
+        let [across, along] = self.amplitudes.map(|[a, b, c, d]| (a + b * echo).norm2() / (c + d * echo).norm2());
+        let reflectance = 0.5 * (across + along);
+        if reflectance.is_nan() { 1.0 } else { reflectance.min(1.0) }
+    }
 }

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use super::complex::Complex;
-use super::tables::{Key, table};
-use super::{Observed, Stack};
+use super::tables::{Key, Table, table};
+use super::{FilmRange, Stack};
 use crate::bsdf::dispersive::{Index, Indices};
 use crate::bsdf::fresnel::refracted_cosine;
-use crate::desc::{LINE_D, ThinFilmDesc};
+use crate::desc::LINE_D;
 use crate::spectrum::{Rgb, Spectrum, luminance};
 
 /// A film on the outer side of a body, between two dielectrics, and what it reflects.
@@ -16,10 +16,12 @@ use crate::spectrum::{Rgb, Spectrum, luminance};
 #[derive(Clone, Debug, PartialEq)]
 pub struct FilmedInterface {
     indices: Indices,
-    film: ThinFilmDesc,
+    film: FilmRange,
+    /// Thickness \[nm\] at the point in question.
+    thickness: f32,
     /// The reflectance by the cosine in the medium of the lower index, where it has no critical angle. Light from the other side is
     /// reflected alike at the angle to which it is refracted.
-    observed: Arc<Observed>,
+    observed: Arc<Table>,
 }
 
 /// What becomes of light at one angle.
@@ -50,21 +52,43 @@ fn weight<C: Spectrum>(share: C, probability: f32) -> C {
 }
 
 impl FilmedInterface {
-    /// A film between media with these indices on the inner and on the outer side.
-    pub fn new(inner: Index, outer: Index, film: ThinFilmDesc) -> Self {
-        let indices = Indices::new(inner, outer);
+    /// A film between media with these indices on the inner and on the outer side, of its greatest thickness.
+    pub fn new(inner: Index, outer: Index, film: impl Into<FilmRange>) -> Self {
+        let (indices, film) = (Indices::new(inner, outer), film.into());
         let [low, high] = sorted(indices.both(None));
-        let [index, thickness] = film.numbers();
-        let key = Key::Dielectric([low, high, index, thickness].map(f64::to_bits));
-        let observed = table(key, index * thickness, |cos, nanometres| {
-            Stack::new(low, [index, thickness], Complex::real(high), nanometres).reflectance(cos)
-        });
-        Self { indices, film, observed }
+        let observed =
+            table(Key::Dielectric([low, high].map(f64::to_bits), film.bits()), film, |thickness, nanometres| {
+                Stack::new(low, [film.ior.into(), thickness], Complex::real(high), nanometres)
+            });
+        Self { indices, film, thickness: film.thickness[1], observed }
     }
 
     /// The same film between media whose indices depend on the wavelength.
     pub fn dispersing(&self, inner: Index, outer: Index) -> Self {
-        Self::new(inner, outer, self.film)
+        Self { thickness: self.thickness, ..Self::new(inner, outer, self.film) }
+    }
+
+    /// The film where it has this thickness \[nm\], or the nearest one of its range.
+    pub fn with_thickness(&self, thickness: f32) -> Self {
+        let [least, most] = self.film.thickness;
+        Self { thickness: thickness.max(least).min(most), ..self.clone() }
+    }
+
+    /// The film of the nearest of some thicknesses, where the thickness varies: what is worked out by the thickness for surfaces as
+    /// a whole is worked out for these.
+    pub fn rounded(&self) -> Self {
+        const STEPS: f32 = 16.0;
+        let [least, most] = self.film.thickness;
+        if !self.film.varies() {
+            return self.clone();
+        }
+        let step = (most - least) / STEPS;
+        self.with_thickness(least + step * ((self.thickness - least) / step).round())
+    }
+
+    /// The films of which it is one.
+    pub fn range(&self) -> FilmRange {
+        self.film
     }
 
     /// Whether each wavelength is refracted into a direction of its own.
@@ -80,7 +104,7 @@ impl FilmedInterface {
     /// What the film makes of the reflectance, beside the ratio of the indices: the numbers by which tables are told apart.
     pub fn layer(&self) -> [u64; 2] {
         let [_, outer] = self.indices.both(None);
-        let [index, thickness] = self.film.numbers();
+        let [index, thickness] = [self.film.ior, self.thickness].map(f64::from);
         [(index / outer).to_bits(), (thickness * outer).to_bits()]
     }
 
@@ -90,7 +114,8 @@ impl FilmedInterface {
         let [inner, outer] = self.indices.both(nanometres);
         let (here, beyond) = if front { (outer, inner) } else { (inner, outer) };
         let nanometres = nanometres.map_or(LINE_D, f64::from);
-        Stack::new(here, self.film.numbers(), Complex::real(beyond), nanometres).reflectance(cos.into()) as f32
+        let film = [self.film.ior, self.thickness].map(f64::from);
+        Stack::new(here, film, Complex::real(beyond), nanometres).reflectance(cos.into()) as f32
     }
 
     /// The reflectance of each channel.
@@ -101,7 +126,7 @@ impl FilmedInterface {
         let eta = self.indices.eta(None);
         let eta = if front { eta } else { 1.0 / eta };
         let outside = if eta >= 1.0 { Some(cos) } else { refracted_cosine(cos.into(), eta).map(|cos| cos as f32) };
-        outside.map_or(C::ONE, |cos| C::from_reflectance(self.observed.at(cos.abs()), wavelengths))
+        outside.map_or(C::ONE, |cos| C::from_reflectance(self.observed.at(cos.abs(), self.thickness), wavelengths))
     }
 
     /// What is reflected and transmitted at a cosine, on the outer side (`front`) or on the inner side.

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use super::complex::Complex;
-use super::tables::{Key, table};
-use super::{Observed, Stack, complex_index_at};
+use super::tables::{Key, Table, table};
+use super::{FilmRange, Stack, complex_index_at};
 use crate::bsdf::MetalCurves;
-use crate::desc::{ConductorDesc, LINE_D, ThinFilmDesc};
+use crate::desc::{ConductorDesc, LINE_D};
 use crate::math::Vec3;
 use crate::spectrum::{Rgb, Spectrum};
 
@@ -19,39 +19,50 @@ pub struct FilmedMetal {
     k: Vec3,
     /// The index by the wavelength, where it is known.
     curves: Option<MetalCurves>,
-    film: ThinFilmDesc,
-    observed: Arc<Observed>,
+    film: FilmRange,
+    /// Thickness \[nm\] at the point in question.
+    thickness: f32,
+    observed: Arc<Table>,
 }
 
 impl FilmedMetal {
-    /// A film on the metal of a checked description, whose index is known by the wavelength where there are `curves`.
-    pub(in crate::bsdf) fn of(conductor: &ConductorDesc, curves: Option<&MetalCurves>, film: ThinFilmDesc) -> Self {
+    /// A film on the metal of a checked description, whose index is known by the wavelength where there are `curves`; of its
+    /// greatest thickness.
+    pub(in crate::bsdf) fn of(conductor: &ConductorDesc, curves: Option<&MetalCurves>, film: FilmRange) -> Self {
         let index = [0, 1, 2].map(|channel| conductor.index(channel).unwrap_or([1.0, f32::INFINITY]));
         let (eta, k) = (index.map(|[eta, _]| eta).into(), index.map(|[_, k]| k).into());
         let Some(curves) = curves else { return Self::new(eta, k, film) };
-        let [index, thickness] = film.numbers();
-        let key = Key::MeasuredMetal(curves.bits().collect(), [index, thickness].map(f64::to_bits));
-        let observed = table(key, index * thickness, |cos, nanometres| {
-            Stack::new(1.0, [index, thickness], measured(curves, nanometres), nanometres).reflectance(cos)
+        let key = Key::MeasuredMetal(curves.bits().collect(), film.bits());
+        let observed = table(key, film, |thickness, nanometres| {
+            Stack::new(1.0, [film.ior.into(), thickness], measured(curves, nanometres), nanometres)
         });
-        Self { eta, k, curves: Some(curves.clone()), film, observed }
+        Self { eta, k, curves: Some(curves.clone()), film, thickness: film.thickness[1], observed }
     }
 
-    /// A film on a metal with this complex index of refraction per channel.
-    pub fn new(eta: Vec3, k: Vec3, film: ThinFilmDesc) -> Self {
-        let [index, thickness] = film.numbers();
+    /// A film on a metal with this complex index of refraction per channel, of its greatest thickness.
+    pub fn new(eta: Vec3, k: Vec3, film: impl Into<FilmRange>) -> Self {
+        let film = film.into();
         let bits = |numbers: Vec3| numbers.to_array().map(f32::to_bits);
-        let key = Key::Metal(bits(eta), bits(k), [index, thickness].map(f64::to_bits));
-        let observed = table(key, index * thickness, |cos, nanometres| {
-            let metal = complex_index_at(eta, k, nanometres);
-            Stack::new(1.0, [index, thickness], metal, nanometres).reflectance(cos)
+        let observed = table(Key::Metal(bits(eta), bits(k), film.bits()), film, |thickness, nanometres| {
+            Stack::new(1.0, [film.ior.into(), thickness], complex_index_at(eta, k, nanometres), nanometres)
         });
-        Self { eta, k, curves: None, film, observed }
+        Self { eta, k, curves: None, film, thickness: film.thickness[1], observed }
+    }
+
+    /// The metal where the film has this thickness \[nm\], or the nearest one of its range.
+    pub(in crate::bsdf) fn with_thickness(&self, thickness: f32) -> Self {
+        let [least, most] = self.film.thickness;
+        Self { thickness: thickness.max(least).min(most), ..self.clone() }
+    }
+
+    /// The mean of [`Self::observed`] for light from all sides, where it is known.
+    pub(in crate::bsdf) fn mean(&self) -> Option<Rgb> {
+        self.observed.mean(self.thickness)
     }
 
     /// The reflectance at a cosine, as a sensor sees it under D65.
     pub fn observed(&self, cos: f32) -> Rgb {
-        self.observed.at(cos)
+        self.observed.at(cos, self.thickness)
     }
 
     /// The reflectance of each channel at a cosine.
@@ -59,13 +70,14 @@ impl FilmedMetal {
         if !C::HAS_WAVELENGTHS {
             return C::from_reflectance(self.observed(cos), wavelengths);
         }
+        let film = [self.film.ior, self.thickness].map(f64::from);
         C::at_wavelengths(wavelengths, |nanometres| {
             let nanometres = nanometres.map_or(LINE_D, f64::from);
             let metal = match &self.curves {
                 Some(curves) => measured(curves, nanometres),
                 None => complex_index_at(self.eta, self.k, nanometres),
             };
-            Stack::new(1.0, self.film.numbers(), metal, nanometres).reflectance(cos.into()) as f32
+            Stack::new(1.0, film, metal, nanometres).reflectance(cos.into()) as f32
         })
     }
 }

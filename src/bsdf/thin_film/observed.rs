@@ -48,7 +48,7 @@ impl Observed {
 }
 
 /// Wavelengths \[nm\] at equal distances of the wave number, in which fringes are, and their weights, which sum to 1 per channel.
-fn nodes(path: f64) -> Vec<(f64, DVec3)> {
+pub(super) fn nodes(path: f64) -> Vec<(f64, DVec3)> {
     let [low, high] = VISIBLE.map(|nanometres| 1.0 / nanometres);
     let fringes = 2.0 * path * (low - high);
     let [fewest, most] = WAVELENGTHS;

@@ -1,11 +1,11 @@
 //! Films against closed forms and against the method of characteristic matrices.
 
 use std::f64::consts::TAU;
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
 use super::complex::Complex;
-use super::{FilmedInterface, FilmedMetal, Stack, complex_index_at};
-use crate::bsdf::{Index, fresnel_conductor, fresnel_dielectric};
+use super::{FilmRange, FilmedInterface, FilmedMetal, Stack, complex_index_at};
+use crate::bsdf::{Index, MetalFacet, fresnel_conductor, fresnel_dielectric};
 use crate::desc::{Dispersion, METALS, ThinFilmDesc};
 use crate::math::{DVec3, Vec3};
 use crate::spectrum::{Illuminant, REC_709_FROM_XYZ, Rgb, SampledSpectrum, Spectrum, color_matching};
@@ -252,6 +252,52 @@ fn tables_have_the_mean_over_the_spectrum() {
     assert!(worst < 5e-4, "{worst}");
 }
 
+/// Films whose thickness varies reflect at each thickness what one of that thickness does.
+#[test]
+fn ranges_have_the_reflectance_of_each_thickness() {
+    let mut worst = 0.0_f64;
+    for ([front, film, behind], range) in
+        [([1.0, 1.33, 1.0], [0.0, 900.0]), ([1.0, 1.47, 1.33], [200.0, 700.0]), ([1.0, 2.4, 1.5], [40.0, 2700.0])]
+    {
+        let films = FilmRange { ior: film, thickness: range };
+        let all = FilmedInterface::new(plain(behind), plain(front), films);
+        let mut seen = 0.0_f64;
+        for part in [0.0_f32, 0.013, 0.21, 0.5, 0.77, 0.995, 1.0] {
+            let thickness = range[0] + part * (range[1] - range[0]);
+            let film = |factor: f32| {
+                let desc = ThinFilmDesc { thickness: factor * thickness, ior: film };
+                FilmedInterface::new(plain(behind), plain(front), desc)
+            };
+            let [found, exact, other] = [all.with_thickness(thickness), film(1.0), film(1.02)];
+            for i in 10..=60 {
+                let cos = i as f32 / 60.0;
+                let [found, exact, other]: [Rgb; 3] = [&found, &exact, &other].map(|it| it.reflectance(cos, true, &()));
+                worst = worst.max((found - exact).to_f64().abs().max_element());
+                seen = seen.max((other - exact).to_f64().abs().max_element());
+            }
+        }
+        assert!(seen > 4e-3, "{seen}");
+        assert_eq!(all.with_thickness(1e9), all.with_thickness(range[1]));
+    }
+    assert!(worst < 2e-3, "{worst}");
+    let aluminium = METALS.iter().find(|metal| metal.symbol == "Al").unwrap().conductor();
+    let index = [0, 1, 2].map(|channel| aluminium.index(channel).unwrap());
+    let (eta, k) = (Vec3::from(index.map(|[n, _]| n)), Vec3::from(index.map(|[_, k]| k)));
+    let all = FilmedMetal::new(eta, k, FilmRange { ior: 1.8, thickness: [5.0, 400.0] });
+    let mut worst = 0.0_f64;
+    for thickness in [5.0, 31.0, 120.0, 250.0, 399.0] {
+        let one = FilmedMetal::new(eta, k, ThinFilmDesc { thickness, ior: 1.8 });
+        let found = all.with_thickness(thickness);
+        for i in 10..=60 {
+            let cos = i as f32 / 60.0;
+            worst = worst.max((found.observed(cos) - one.observed(cos)).to_f64().abs().max_element());
+        }
+        let mean = MetalFacet::Filmed(Arc::new(one)).mean_reflectance();
+        worst = worst.max((found.mean().unwrap() - mean).to_f64().abs().max_element());
+    }
+    assert!(worst < 1e-3, "{worst}");
+}
+
 #[test]
 fn both_sides_of_a_film_reflect_alike() {
     let film = ThinFilmDesc { thickness: 420.0, ior: 1.9 };
@@ -291,7 +337,7 @@ fn wavelengths_have_their_own_shares() {
                 let expected = wavelengths.nanometres.to_array().map(|nanometres| {
                     let n = inner.at(Some(nanometres));
                     let (here, beyond) = if front { (1.0, n) } else { (n, 1.0) };
-                    let film = film.numbers();
+                    let film = [film.ior, film.thickness].map(f64::from);
                     Stack::new(here, film, Complex::real(beyond), nanometres.into()).reflectance(cos.into())
                 });
                 for (i, (found, expected)) in shares.reflected.to_array().into_iter().zip(expected).enumerate() {

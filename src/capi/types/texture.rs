@@ -185,7 +185,7 @@ pub struct etd_texture {
     /// Added to the coordinates at last; the third is used in space only.
     pub offset: [f64; 3],
     /// 1: the texture is multiplied by the colours of vertices, and its opacity by theirs. 0: it is not. Always 1 of
-    /// `ETD_TEXTURE_VERTEX_COLORS`, whatever is given. Refused for the parameters "emission", "normal" and "bump".
+    /// `ETD_TEXTURE_VERTEX_COLORS`, whatever is given. Refused for the parameters "emission", "temperature", "normal" and "bump".
     pub vertex_colors: u32,
     /// Of `ETD_COORDINATES_UV`: the set of texture coordinates, 0 to 7. Surfaces that lack it have the first, which is 0.
     pub uv_set: u32,

@@ -2,6 +2,7 @@
 
 mod films;
 mod own;
+mod varied;
 
 use crate::common::scenes::{Job, box_inside, camera, render_scene, scene};
 use crate::record::{Case, Entry, Within};
@@ -42,6 +43,7 @@ pub fn cases() -> Vec<Entry> {
         Entry { id: "W13", title: "lamps of all kinds with a spectrum", run: own::lamps },
         Entry { id: "W14", title: "models with spectra against single wavelengths", run: own::models },
         Entry { id: "W15", title: "absorption by a spectrum", run: own::absorption },
+        Entry { id: "W17", title: "temperatures and films that textures vary", run: varied::all },
     ]
 }
 

@@ -68,6 +68,12 @@ pub fn image(width: u32, height: u32, channels: u32, value: impl Fn(u32, u32, u3
     Arc::new(TexelImage::new(width, height, channels, Texels::F32(values.into())).expect("an image of the test"))
 }
 
+/// A texture of numbers from left to right, without interpolation.
+pub fn row_texture(values: &[f32]) -> TextureDesc {
+    let image = image(values.len() as u32, 1, 1, |x, _, _| values[x as usize]);
+    described("row", &image, ColorSpace::Raw, TextureFilter::Nearest, 1.0)
+}
+
 fn texture(image: &Arc<TexelImage>, space: ColorSpace, wrap: Wrap, filter: TextureFilter) -> Texture {
     Texture::Image(ImageTexture::new(Arc::clone(image), space, [wrap; 2], filter))
 }
