@@ -1450,7 +1450,7 @@ typedef uint32_t etd_spectrum_kind;
 #endif // __cplusplus
 
 /**
- * Illuminants of CIE 015:2018.
+ * Illuminants of CIE 015:2018 and, of fluorescent lamps, CIE 15:2004.
  */
 enum etd_illuminant
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -1481,6 +1481,54 @@ enum etd_illuminant
      * The same power at all wavelengths.
      */
     ETD_ILLUMINANT_E = 5,
+    /**
+     * A fluorescent lamp of about 6430 K, of a broad band.
+     */
+    ETD_ILLUMINANT_FL1 = 6,
+    /**
+     * A fluorescent lamp of about 4230 K, of a broad band.
+     */
+    ETD_ILLUMINANT_FL2 = 7,
+    /**
+     * A fluorescent lamp of about 3450 K, of a broad band.
+     */
+    ETD_ILLUMINANT_FL3 = 8,
+    /**
+     * A fluorescent lamp of about 2940 K, of a broad band.
+     */
+    ETD_ILLUMINANT_FL4 = 9,
+    /**
+     * A fluorescent lamp of about 6350 K, of a broad band.
+     */
+    ETD_ILLUMINANT_FL5 = 10,
+    /**
+     * A fluorescent lamp of about 4150 K, of a broad band.
+     */
+    ETD_ILLUMINANT_FL6 = 11,
+    /**
+     * A fluorescent lamp of about 6500 K, of several bands.
+     */
+    ETD_ILLUMINANT_FL7 = 12,
+    /**
+     * A fluorescent lamp of about 5000 K, of several bands.
+     */
+    ETD_ILLUMINANT_FL8 = 13,
+    /**
+     * A fluorescent lamp of about 4150 K, of several bands.
+     */
+    ETD_ILLUMINANT_FL9 = 14,
+    /**
+     * A fluorescent lamp of about 5000 K, of three narrow bands.
+     */
+    ETD_ILLUMINANT_FL10 = 15,
+    /**
+     * A fluorescent lamp of about 4000 K, of three narrow bands.
+     */
+    ETD_ILLUMINANT_FL11 = 16,
+    /**
+     * A fluorescent lamp of about 3000 K, of three narrow bands.
+     */
+    ETD_ILLUMINANT_FL12 = 17,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L

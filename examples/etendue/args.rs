@@ -114,7 +114,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "on|off", value_enum, num_args = 0..=1, require_equals = true)]
     #[arg(default_missing_value = "on", hide_possible_values = true)]
     pub spectral: Option<Switch>,
-    /// The light under which white surfaces are grey in the picture: A, D50, D55, D65, D75, E, a temperature in kelvin (black bodies
+    /// The light under which white surfaces are grey in the picture: A, D50, D55, D65, D75, E, FL1 to FL12, a temperature in kelvin (black bodies
     /// below 4000, daylight above), or its chromaticity X,Y.
     #[arg(long, value_name = "LIGHT", value_parser = parse_white)]
     pub white_balance: Option<White>,
@@ -849,7 +849,7 @@ fn parse_white(text: &str) -> Result<White, String> {
     let pair = text.split_once(',').and_then(|(x, y)| Some([x.trim().parse().ok()?, y.trim().parse().ok()?]));
     let white = pair.or_else(|| RenderDesc::white_of(text));
     white.filter(|white| etendue::spectrum::white_balance(*white).is_some()).map(White).ok_or_else(|| {
-        "expected A, D50, D55, D65, D75, E, a temperature from 1000 to 25000 kelvin, or a chromaticity such as \
+        "expected A, D50, D55, D65, D75, E, FL1 to FL12, a temperature from 1000 to 25000 kelvin, or a chromaticity such as \
          0.3127,0.329"
             .to_owned()
     })
