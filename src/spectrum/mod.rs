@@ -6,6 +6,7 @@ mod observer;
 mod primaries;
 mod rgb;
 mod sampled;
+mod sensor;
 mod transported;
 mod upsample;
 
@@ -15,6 +16,7 @@ pub use observer::{REC_709_FROM_XYZ, VISIBLE, XYZ_FROM_REC_709, color_matching, 
 pub use primaries::Primaries;
 pub use rgb::Rgb;
 pub use sampled::{SampledSpectrum, SampledWavelengths};
+pub use sensor::Sensor;
 pub use transported::Spectrum;
 pub use upsample::SmoothSpectrum;
 

@@ -378,6 +378,7 @@ static void structures(void) {
     FIELD(etd_render_options, crop_left);
     FIELD(etd_render_options, crop_top);
     FIELD(etd_render_options, white_balance);
+    FIELD(etd_render_options, sensor_bands);
     STRUCT(etd_camera);
     FIELD(etd_camera, struct_size);
     FIELD(etd_camera, projection);
