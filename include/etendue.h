@@ -81,7 +81,7 @@
      NULL, NULL, NULL, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, ETD_PHOTON_KERNEL_DEFAULT, 0, ETD_PHOTON_SHARING_POWER, \
      ETD_SWITCH_DEFAULT, ETD_SWITCH_DEFAULT, 0, 0, 0, ETD_CACHE_SOURCE_PATHS, ETD_SWITCH_DEFAULT, ETD_ERROR_RELMSE, ETD_SWITCH_DEFAULT, \
      0, 0, 0, 0, ETD_RADIOSITY_SOLVER_GATHER, ETD_SWITCH_DEFAULT, ETD_SWITCH_DEFAULT, 0, \
-     ETD_ROULETTE_OWN, 0, 0, 0, 0, {0, 0}}
+     ETD_ROULETTE_OWN, 0, 0, 0, 0, {0, 0}, {0, 0}}
 #define ETD_PROGRESS_INIT {sizeof(etd_progress), 0, 0, 0, 0, 0, ETD_PHASE_BUILD, 0}
 #define ETD_SUMMARY_INIT {sizeof(etd_summary), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, ETD_ENDED_SAMPLES, 0}
 #define ETD_FILM_OPTIONS_INIT {sizeof(etd_film_options), 0, 0, 0, 0}
@@ -1450,7 +1450,7 @@ typedef uint32_t etd_spectrum_kind;
 #endif // __cplusplus
 
 /**
- * Illuminants of CIE 015:2018.
+ * Illuminants of CIE 015:2018 and, of fluorescent lamps, CIE 15:2004.
  */
 enum etd_illuminant
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -1481,6 +1481,54 @@ enum etd_illuminant
      * The same power at all wavelengths.
      */
     ETD_ILLUMINANT_E = 5,
+    /**
+     * A fluorescent lamp of about 6430 K, of a broad band.
+     */
+    ETD_ILLUMINANT_FL1 = 6,
+    /**
+     * A fluorescent lamp of about 4230 K, of a broad band.
+     */
+    ETD_ILLUMINANT_FL2 = 7,
+    /**
+     * A fluorescent lamp of about 3450 K, of a broad band.
+     */
+    ETD_ILLUMINANT_FL3 = 8,
+    /**
+     * A fluorescent lamp of about 2940 K, of a broad band.
+     */
+    ETD_ILLUMINANT_FL4 = 9,
+    /**
+     * A fluorescent lamp of about 6350 K, of a broad band.
+     */
+    ETD_ILLUMINANT_FL5 = 10,
+    /**
+     * A fluorescent lamp of about 4150 K, of a broad band.
+     */
+    ETD_ILLUMINANT_FL6 = 11,
+    /**
+     * A fluorescent lamp of about 6500 K, of several bands.
+     */
+    ETD_ILLUMINANT_FL7 = 12,
+    /**
+     * A fluorescent lamp of about 5000 K, of several bands.
+     */
+    ETD_ILLUMINANT_FL8 = 13,
+    /**
+     * A fluorescent lamp of about 4150 K, of several bands.
+     */
+    ETD_ILLUMINANT_FL9 = 14,
+    /**
+     * A fluorescent lamp of about 5000 K, of three narrow bands.
+     */
+    ETD_ILLUMINANT_FL10 = 15,
+    /**
+     * A fluorescent lamp of about 4000 K, of three narrow bands.
+     */
+    ETD_ILLUMINANT_FL11 = 16,
+    /**
+     * A fluorescent lamp of about 3000 K, of three narrow bands.
+     */
+    ETD_ILLUMINANT_FL12 = 17,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -2099,6 +2147,12 @@ typedef struct etd_render_options {
      * light at given points have no white.
      */
     double white_balance[2];
+    /**
+     * First and last wavelength, nm, of three adjacent bands of equal width, from 360 to 830 and 0.3 apart or more: with `spectral` on, the
+     * channels of the film are then the mean spectral radiance over each band, W m^-2 sr^-1 nm^-1, and `white_balance` does not
+     * apply. 0, 0: the colours that the standard observer sees.
+     */
+    double sensor_bands[2];
 } etd_render_options;
 
 /**

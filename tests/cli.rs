@@ -390,6 +390,65 @@ fn statistics_and_the_images_header_say_what_it_came_to() {
 }
 
 #[test]
+fn spectral_layers_are_channels_of_an_exr() {
+    let folder = folder();
+    let scene = scene("cornell.json");
+    let layers = |name: &str, more: &[&str]| {
+        let mut args = small_render(&scene, &["--spectral", "--spectral-layers", "4", "-q", "-o", name]);
+        args.extend(more);
+        etendue(folder.path(), args).assert_done();
+        fs::read(folder.path().join(name)).unwrap()
+    };
+    let range = ["--spectral-range", "400-700"];
+    let bytes = layers("two.exr", &range);
+    let [first, second] = [range[0], range[1]];
+    assert!(bytes == layers("one.exr", &[first, second, "--threads", "1"]), "the same bytes for any number of threads");
+
+    let image = output::read(&folder.path().join("two.exr")).unwrap();
+    let names = ["S0.437,5nm", "S0.512,5nm", "S0.587,5nm", "S0.662,5nm"];
+    for name in names {
+        let layer = image.layer(name).expect(name);
+        assert!(layer.channels == 1 && layer.data.iter().any(|value| *value > 0.0), "{name}");
+    }
+    assert!(image.layer("albedo").is_some() && image.layer("S0.400nm").is_none());
+    etendue(folder.path(), small_render(&scene, &["--spectral", "-q", "-o", "plain.exr"])).assert_done();
+    assert_eq!(output::read(&folder.path().join("plain.exr")).unwrap().rgb, image.rgb, "the picture is the usual one");
+
+    let meta = exr::meta::MetaData::read_from_file(folder.path().join("two.exr"), false).expect("an EXR header");
+    let header = &meta.headers[0];
+    let channels: Vec<String> = header.channels.list.iter().map(|channel| channel.name.to_string()).collect();
+    for name in names.into_iter().chain(["R", "G", "B", "albedo.R"]) {
+        assert!(channels.iter().any(|channel| channel == name), "{name}: {channels:?}");
+    }
+    for (name, text) in [("spectralLayoutVersion", "1.0"), ("emissiveUnits", "W.m^-2.sr^-1")] {
+        match header.own_attributes.other.get(&exr::meta::attribute::Text::from(name)) {
+            Some(exr::meta::attribute::AttributeValue::Text(found)) => assert_eq!(found.to_string(), text),
+            other => panic!("{name}: {other:?}"),
+        }
+    }
+    let default = layers("default.exr", &[]);
+    assert!(default != bytes && output::read(&folder.path().join("default.exr")).unwrap().layer("S0.430nm").is_some());
+
+    let refused = |more: &[&str]| etendue(folder.path(), small_render(&scene, more));
+    let of_four = ["--spectral-layers", "4", "-o", "x.exr"];
+    refused(&of_four).assert_refused("--spectral-layers: paths in three channels have no bands");
+    let with = |more: &[&'static str]| [&["--spectral"], &of_four[..], more].concat();
+    refused(&with(&["y.png"])).assert_refused("y.png: has no room for spectral layers");
+    refused(&with(&["--integrator", "radiosity"])).assert_refused("radiosity carries three channels");
+    refused(&with(&["--spectral-range", "400-401", "--spectral-layers", "12"])).assert_refused("are too narrow");
+    for range in ["300-700", "400-900", "700-400", "500-500", "400", "a-b", "400-700-800"] {
+        let run = refused(&with(&["--spectral-range", range]));
+        run.assert_refused_by_grammar("expected two wavelengths from 360 to 830 nm");
+    }
+    for count in ["0", "2", "513", "x"] {
+        let run = refused(&["--spectral", "--spectral-layers", count, "-o", "x.exr"]);
+        run.assert_refused_by_grammar("--spectral-layers <N>");
+    }
+    let run = refused(&["--spectral", "--spectral-range", "400-700", "-o", "x.exr"]);
+    run.assert_refused_by_grammar("--spectral-layers <N>");
+}
+
+#[test]
 fn quiet_says_nothing_and_options_reach_the_renderer() {
     let folder = folder();
     let cornell = scene("cornell.json");

@@ -326,6 +326,7 @@ fn spectra_are_read_in_all_forms() {
     let samples = |pairs: &[[f64; 2]]| SpectrumDesc::samples("", pairs).unwrap();
     for (text, expected) in [
         (r#""D50""#, SpectrumDesc::Standard(StandardIlluminant::D50)),
+        (r#""FL11""#, SpectrumDesc::Standard(StandardIlluminant::FL11)),
         (r#"{"blackBody": 2700}"#, SpectrumDesc::BlackBody(2700.0)),
         (r#"{"daylight": 5003}"#, SpectrumDesc::Daylight(5003.0)),
         ("[[400, 0.5], [700, 1]]", samples(&[[400.0, 0.5], [700.0, 1.0]])),
@@ -422,6 +423,7 @@ fn a_picture_has_a_white() {
     for (text, [x, y]) in [
         (r#""D50""#, [0.345_67, 0.358_51]),
         (r#""E""#, [0.333_31, 0.333_29]),
+        (r#""FL2""#, [0.3721, 0.3751]),
         ("2000", [0.5267, 0.4133]),
         ("[0.25, 0.5]", [0.25, 0.5]),
     ] {

@@ -19,7 +19,7 @@ use etendue::math::DVec3;
 use etendue::render::{Render, RenderSettings};
 use etendue::sampling::{Sampler as _, SobolSampler};
 use etendue::scene::{BuildOptions, Scene};
-use etendue::spectrum::{Rgb, Spectrum};
+use etendue::spectrum::{Rgb, Sensor, Spectrum};
 
 /// Side of the images, and samples of each pixel.
 const SIDE: u32 = 12;
@@ -207,7 +207,7 @@ fn image<C: Spectrum, I: Transport<C>>(scene: &Scene, integrator: &I) -> Vec<[f3
             sampler.start(pixel, sample);
             let [x, y] = sampler.pixel_2d();
             let ray = camera.ray((pixel % SIDE) as f32 + x, (pixel / SIDE) as f32 + y);
-            let wavelengths = integrator.wavelengths(&mut sampler);
+            let wavelengths = integrator.wavelengths(&mut sampler, Sensor::Observer);
             let mut context = Context { scene, sampler: &mut sampler, tracer: &mut tracer, wavelengths };
             sum += integrator.li(ray, &mut context, &mut |_| {}).to_rgb(&wavelengths);
         }

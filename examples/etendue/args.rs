@@ -15,7 +15,7 @@ use etendue::film::ErrorMeasure;
 use etendue::math::DVec3;
 use etendue::output::ToneMap;
 use etendue::render::{MAX_THREADS, MOST_SAMPLES};
-use etendue::spectrum::Primaries;
+use etendue::spectrum::{Primaries, Sensor, VISIBLE};
 
 /// Physically based rendering of scene files.
 ///
@@ -114,7 +114,14 @@ pub struct RenderArgs {
     #[arg(long, value_name = "on|off", value_enum, num_args = 0..=1, require_equals = true)]
     #[arg(default_missing_value = "on", hide_possible_values = true)]
     pub spectral: Option<Switch>,
-    /// The light under which white surfaces are grey in the picture: A, D50, D55, D65, D75, E, a temperature in kelvin (black bodies
+    /// Layers of an EXR for the mean spectral radiance over so many bands of equal width, 3 to 512. With --spectral.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(3..=512))]
+    pub spectral_layers: Option<u32>,
+    /// First and last wavelength of those bands in nm, within 360 and 830.
+    #[arg(long, value_name = "FIRST-LAST", default_value = "380-780", requires = "spectral_layers")]
+    #[arg(value_parser = parse_range)]
+    pub spectral_range: WavelengthRange,
+    /// The light under which white surfaces are grey in the picture: A, D50, D55, D65, D75, E, FL1 to FL12, a temperature in kelvin (black bodies
     /// below 4000, daylight above), or its chromaticity X,Y.
     #[arg(long, value_name = "LIGHT", value_parser = parse_white)]
     pub white_balance: Option<White>,
@@ -649,6 +656,10 @@ pub struct Depth(pub Option<u32>);
 #[derive(Clone, Copy, Debug)]
 pub struct Iterations(pub Option<u32>);
 
+/// Wavelengths \[nm\]: a first and a last one.
+#[derive(Clone, Copy, Debug)]
+pub struct WavelengthRange(pub [f64; 2]);
+
 impl RenderArgs {
     /// The error to stop at, and what it is measured by.
     pub fn target(&self) -> Option<(ErrorMeasure, f64)> {
@@ -849,10 +860,18 @@ fn parse_white(text: &str) -> Result<White, String> {
     let pair = text.split_once(',').and_then(|(x, y)| Some([x.trim().parse().ok()?, y.trim().parse().ok()?]));
     let white = pair.or_else(|| RenderDesc::white_of(text));
     white.filter(|white| etendue::spectrum::white_balance(*white).is_some()).map(White).ok_or_else(|| {
-        "expected A, D50, D55, D65, D75, E, a temperature from 1000 to 25000 kelvin, or a chromaticity such as \
+        "expected A, D50, D55, D65, D75, E, FL1 to FL12, a temperature from 1000 to 25000 kelvin, or a chromaticity such as \
          0.3127,0.329"
             .to_owned()
     })
+}
+
+fn parse_range(text: &str) -> Result<WavelengthRange, String> {
+    let numbers = text.split_once('-').and_then(|(a, b)| Some([a.trim().parse().ok()?, b.trim().parse().ok()?]));
+    let is_range = |range: &[f64; 2]| Sensor::Bands { range: *range }.check("").is_ok();
+    let [low, high] = VISIBLE;
+    let wrong = || format!("expected two wavelengths from {low} to {high} nm, the smaller one first, such as 400-700");
+    numbers.filter(is_range).map(WavelengthRange).ok_or_else(wrong)
 }
 
 fn parse_filter(text: &str) -> Result<FilterDesc, String> {

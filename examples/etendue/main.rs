@@ -11,6 +11,7 @@ mod compare;
 mod console;
 mod convert;
 mod interrupt;
+mod layers;
 mod lux;
 mod photons;
 mod render;

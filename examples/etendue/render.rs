@@ -18,6 +18,7 @@ use etendue::scene::{BuildOptions, Scene};
 
 use crate::args::{InfoArgs, RenderArgs, Switch};
 use crate::console::{self, Bar};
+use crate::layers::{self, Bands};
 use crate::stats::Stats;
 use crate::{Failure, interrupt};
 
@@ -76,6 +77,7 @@ fn files(scene: &SceneDesc) -> String {
 /// Renders and writes; returns [`interrupt::EXIT_CODE`] after a run that was stopped.
 pub fn render(args: &RenderArgs) -> Result<u8, Failure> {
     // An hour of rendering must not end at a typing error: everything that can be checked in advance is checked now.
+    let bands = Bands::of(args)?;
     let layers = check_outputs(args)?;
     interrupt::install()?;
     let began = Instant::now();
@@ -89,7 +91,7 @@ pub fn render(args: &RenderArgs) -> Result<u8, Failure> {
     let workers = Workers::pool(args.threads)?;
     let Some(frames) = args.frames else {
         let scene = build(&description, args.threads)?;
-        let frame = Frame { number: None, layers, build_time: began.elapsed() };
+        let frame = Frame { number: None, layers, bands, build_time: began.elapsed() };
         return render_frame(args, &description, &scene, &workers, &frame);
     };
     still(&description, "--frames")?;
@@ -116,7 +118,7 @@ pub fn render(args: &RenderArgs) -> Result<u8, Failure> {
         if !args.quiet {
             console::say(&format!("frame {number}"));
         }
-        let frame = Frame { number: Some(number), layers, build_time: began.elapsed() };
+        let frame = Frame { number: Some(number), layers, bands, build_time: began.elapsed() };
         let code = render_frame(args, &description, &built, &workers, &frame)?;
         if code != 0 {
             return Ok(code);
@@ -143,6 +145,8 @@ struct Frame {
     number: Option<u32>,
     /// Whether one of the images has layers.
     layers: bool,
+    /// The bands that the images have layers of.
+    bands: Option<Bands>,
     build_time: Duration,
 }
 
@@ -164,10 +168,15 @@ fn render_frame(
     workers: &Workers,
     frame: &Frame,
 ) -> Result<u8, Failure> {
-    let Frame { number, layers, build_time } = *frame;
+    let Frame { number, layers, bands, build_time } = *frame;
     let mut desc = args.settings(&description.render);
     if number.is_some() {
         desc.seed = description.render.seed;
+    }
+    if bands.is_some() && !desc.spectral {
+        let message =
+            "--spectral-layers: paths in three channels have no bands of wavelengths, expected --spectral beside it";
+        return Err(Failure::usage(message));
     }
     let settings = RenderSettings {
         desc: desc.clone(),
@@ -179,7 +188,7 @@ fn render_frame(
         auxiliary: layers,
         ..RenderSettings::default()
     };
-    let mut render = Render::new(scene, settings)?;
+    let mut render = Render::new(scene, settings.clone())?;
     // Warnings about the scene's own integrator were printed with those of the scene.
     if desc.integrator == IntegratorDesc::Radiosity && description.render.integrator != IntegratorDesc::Radiosity {
         scene.info().not_diffuse.iter().for_each(console::warn);
@@ -209,18 +218,27 @@ fn render_frame(
     if let Some(failure) = failure {
         return Err(failure);
     }
+    let mut is_stopped = summary.stopped;
     // A run that was stopped before its first ray must not replace an older image.
     if summary.stopped && summary.rays == 0 {
         console::warn("stopped before the first ray: no image is written");
     } else {
-        write(&render.image(), summary.samples, output::summary_attributes(&summary))?;
+        let mut image = render.image();
+        let mut attributes = output::summary_attributes(&summary);
+        if let Some(bands) = bands.filter(|_| !summary.stopped) {
+            let spectral = layers::render(scene, &settings, bands, args.quiet)?;
+            is_stopped = spectral.len() < bands.count;
+            image.layers.extend(spectral);
+            attributes.extend(output::spectral_attributes());
+        }
+        write(&image, summary.samples, attributes)?;
     }
     if let Some(path) = &args.stats {
         let stats = Stats::new(args, &desc, &summary, workers.threads(), build_time);
         stats.write(&frame_file(path, number)).map_err(Failure::running)?;
     }
     report(&summary, description, args.quiet);
-    Ok(if summary.stopped && interrupt::requested() { interrupt::EXIT_CODE } else { 0 })
+    Ok(if is_stopped && interrupt::requested() { interrupt::EXIT_CODE } else { 0 })
 }
 
 /// Reads and builds the scene, and prints every warning.
@@ -282,7 +300,12 @@ fn check_outputs(args: &RenderArgs) -> Result<bool, Failure> {
         }
         for path in &args.output {
             let path = name(path, number)?;
-            layers |= output::check_target(&path)? == Format::Exr;
+            let format = output::check_target(&path)?;
+            if args.spectral_layers.is_some() && format != Format::Exr {
+                let message = "has no room for spectral layers, expected a file name that ends in .exr";
+                return Err(Failure::usage(format!("{}: {message}", path.display())));
+            }
+            layers |= format == Format::Exr;
             check(&path)?;
         }
     }

@@ -65,7 +65,9 @@ sppm\t'Stochastic progressive photon mapping: a new map every pass, with radii t
 auto\t'Path tracing, path tracing with a caustic map, or stochastic progressive photon mapping, by what the scene holds'"
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l spectral -d 'Paths carry wavelengths instead of three channels; alone it means on. In place of the scene\'s choice' -r -f -a "on\t''
 off\t''"
-complete -c etendue -n "__fish_etendue_using_subcommand render" -l white-balance -d 'The light under which white surfaces are grey in the picture: A, D50, D55, D65, D75, E, a temperature in kelvin (black bodies below 4000, daylight above), or its chromaticity X,Y' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l spectral-layers -d 'Layers of an EXR for the mean spectral radiance over so many bands of equal width, 3 to 512. With --spectral' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l spectral-range -d 'First and last wavelength of those bands in nm, within 360 and 830' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l white-balance -d 'The light under which white surfaces are grey in the picture: A, D50, D55, D65, D75, E, FL1 to FL12, a temperature in kelvin (black bodies below 4000, daylight above), or its chromaticity X,Y' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l filter -d 'Pixel filter: box, tent, gaussian[:SIGMA], blackman-harris or mitchell[:B,C]' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l sampler -d 'Where the samples of a pixel come from' -r -f -a "sobol\t'Owen-scrambled Sobol\' points'
 random\t'Independent random numbers'

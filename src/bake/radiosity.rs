@@ -46,6 +46,7 @@ pub fn by_radiosity(
     if sites.is_empty() {
         return Err(Error::new(ErrorKind::InvalidScene, "there is no surface whose irradiance could be asked for"));
     }
+    settings.check_sensor()?;
     if settings.desc.spectral {
         no_wavelengths("a light map")?;
     }

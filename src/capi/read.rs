@@ -14,7 +14,7 @@ use crate::film::ErrorMeasure;
 use crate::math::{DAffine3, DMat3, DVec3};
 use crate::output::ToneMap;
 use crate::render::MOST_SAMPLES;
-use crate::spectrum::Rgb;
+use crate::spectrum::{Rgb, Sensor};
 
 /// Converts a number of the host to a value of an enumeration. `name` is the name of the field or argument, for messages.
 pub(super) fn enumeration<T: Enumeration>(name: &str, number: u32) -> Result<T> {
@@ -335,6 +335,11 @@ pub(super) fn render(it: &etd_render_options, film: [u32; 2]) -> Result<RenderDe
     Ok(desc)
 }
 
+/// Reads what the channels of a film of wavelengths are.
+pub(super) fn sensor(it: &etd_render_options) -> Sensor {
+    if it.sensor_bands == [0.0; 2] { Sensor::Observer } else { Sensor::Bands { range: it.sensor_bands } }
+}
+
 /// Returns `None` for 0, which stands for the default.
 fn given<T: PartialEq + Default>(value: T) -> Option<T> {
     (value != T::default()).then_some(value)
@@ -368,7 +373,7 @@ pub(super) fn error_measure(it: &etd_render_options) -> Result<ErrorMeasure> {
 }
 
 /// Converts an error about a key of a file to one about a field of the options: `photonKernel.k` becomes `photon_kernel_k`.
-fn in_options(error: Error) -> Failure {
+pub(super) fn in_options(error: Error) -> Failure {
     let mut field = String::new();
     for c in error.location().json_path.chars() {
         match c {
@@ -530,6 +535,7 @@ pub(super) fn render_out(desc: &RenderDesc) -> etd_render_options {
         .number(),
         spectral: switch_out(desc.spectral),
         white_balance: desc.white_balance.unwrap_or_default(),
+        sensor_bands: [0.0; 2],
         error_measure: ETD_ERROR_RELMSE.number(),
         adaptive: ETD_SWITCH_DEFAULT.number(),
         radiosity_element_size: radiosity.element_size.unwrap_or(0.0),

@@ -395,7 +395,7 @@ pub(super) fn settings_of(
     cancel: &Cancel,
 ) -> Result<RenderSettings> {
     let seconds = |limit: f64| Duration::try_from_secs_f64(limit).unwrap_or(Duration::MAX);
-    Ok(RenderSettings {
+    let settings = RenderSettings {
         desc: read::render(it, resolution)?,
         workers: Some(device.workers.clone()),
         time_limit: (it.time_limit > 0.0).then(|| seconds(it.time_limit)),
@@ -403,8 +403,11 @@ pub(super) fn settings_of(
         error_measure: read::error_measure(it)?,
         adaptive: read::adaptive(it)?,
         cancel: cancel.clone(),
+        sensor: read::sensor(it),
         ..RenderSettings::default()
-    })
+    };
+    settings.check_sensor().map_err(read::in_options)?;
+    Ok(settings)
 }
 
 /// Converts the summary of a render to the host's structure.

@@ -88,8 +88,8 @@ impl Default for RenderDesc {
 }
 
 impl RenderDesc {
-    /// The chromaticity of light for [`Self::white_balance`] by the name of an illuminant of the CIE (A, D50, D55, D65, D75, E) or a
-    /// temperature in kelvin: a black body's from 1000 on, and daylight's from 4000 to 25000. `None` for other texts.
+    /// The chromaticity of light for [`Self::white_balance`] by the name of an illuminant of the CIE (A, D50, D55, D65, D75, E, FL1 to FL12)
+    /// or a temperature in kelvin: a black body's from 1000 on, and daylight's from 4000 to 25000. `None` for other texts.
     pub fn white_of(light: &str) -> Option<[f64; 2]> {
         super::white_of(light)
     }

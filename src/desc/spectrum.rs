@@ -43,7 +43,7 @@ impl fmt::Debug for SpectrumDesc {
     }
 }
 
-/// Illuminants of CIE 015:2018.
+/// Illuminants of CIE 015:2018 and, of fluorescent lamps, CIE 15:2004.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StandardIlluminant {
     /// Tungsten.
@@ -58,23 +58,60 @@ pub enum StandardIlluminant {
     D75,
     /// The same power at all wavelengths.
     E,
+    /// A fluorescent lamp of about 6430 K, of a broad band.
+    FL1,
+    /// A fluorescent lamp of about 4230 K, of a broad band.
+    FL2,
+    /// A fluorescent lamp of about 3450 K, of a broad band.
+    FL3,
+    /// A fluorescent lamp of about 2940 K, of a broad band.
+    FL4,
+    /// A fluorescent lamp of about 6350 K, of a broad band.
+    FL5,
+    /// A fluorescent lamp of about 4150 K, of a broad band.
+    FL6,
+    /// A fluorescent lamp of about 6500 K, of several bands.
+    FL7,
+    /// A fluorescent lamp of about 5000 K, of several bands.
+    FL8,
+    /// A fluorescent lamp of about 4150 K, of several bands.
+    FL9,
+    /// A fluorescent lamp of about 5000 K, of three narrow bands.
+    FL10,
+    /// A fluorescent lamp of about 4000 K, of three narrow bands.
+    FL11,
+    /// A fluorescent lamp of about 3000 K, of three narrow bands.
+    FL12,
 }
 
 impl StandardIlluminant {
     /// All of them, with their names.
-    pub const ALL: [(&'static str, Self); 6] = [
+    pub const ALL: [(&'static str, Self); 18] = [
         ("A", Self::A),
         ("D50", Self::D50),
         ("D55", Self::D55),
         ("D65", Self::D65),
         ("D75", Self::D75),
         ("E", Self::E),
+        ("FL1", Self::FL1),
+        ("FL2", Self::FL2),
+        ("FL3", Self::FL3),
+        ("FL4", Self::FL4),
+        ("FL5", Self::FL5),
+        ("FL6", Self::FL6),
+        ("FL7", Self::FL7),
+        ("FL8", Self::FL8),
+        ("FL9", Self::FL9),
+        ("FL10", Self::FL10),
+        ("FL11", Self::FL11),
+        ("FL12", Self::FL12),
     ];
 
     /// The relative spectrum.
     pub fn illuminant(self) -> Illuminant {
         // The temperature scale has changed since these were defined.
         let daylight = |nominal: f64| Illuminant::daylight(nominal * 1.4388 / 1.4380).unwrap_or(Illuminant::D65);
+        let fluorescent = |number| Illuminant::Fluorescent { number };
         match self {
             Self::A => Illuminant::A,
             Self::D50 => Illuminant::D50,
@@ -82,6 +119,18 @@ impl StandardIlluminant {
             Self::D65 => Illuminant::D65,
             Self::D75 => daylight(7500.0),
             Self::E => Illuminant::E,
+            Self::FL1 => fluorescent(1),
+            Self::FL2 => fluorescent(2),
+            Self::FL3 => fluorescent(3),
+            Self::FL4 => fluorescent(4),
+            Self::FL5 => fluorescent(5),
+            Self::FL6 => fluorescent(6),
+            Self::FL7 => fluorescent(7),
+            Self::FL8 => fluorescent(8),
+            Self::FL9 => fluorescent(9),
+            Self::FL10 => fluorescent(10),
+            Self::FL11 => fluorescent(11),
+            Self::FL12 => fluorescent(12),
         }
     }
 }

@@ -66,6 +66,30 @@ pub(super) enum IlluminantName {
     D75,
     /// The same power at all wavelengths.
     E,
+    /// A fluorescent lamp of about 6430 K, of a broad band.
+    FL1,
+    /// A fluorescent lamp of about 4230 K, of a broad band.
+    FL2,
+    /// A fluorescent lamp of about 3450 K, of a broad band.
+    FL3,
+    /// A fluorescent lamp of about 2940 K, of a broad band.
+    FL4,
+    /// A fluorescent lamp of about 6350 K, of a broad band.
+    FL5,
+    /// A fluorescent lamp of about 4150 K, of a broad band.
+    FL6,
+    /// A fluorescent lamp of about 6500 K, of several bands.
+    FL7,
+    /// A fluorescent lamp of about 5000 K, of several bands.
+    FL8,
+    /// A fluorescent lamp of about 4150 K, of several bands.
+    FL9,
+    /// A fluorescent lamp of about 5000 K, of three narrow bands.
+    FL10,
+    /// A fluorescent lamp of about 4000 K, of three narrow bands.
+    FL11,
+    /// A fluorescent lamp of about 3000 K, of three narrow bands.
+    FL12,
 }
 
 /// Reads a spectrum, and checks it.

@@ -44,6 +44,17 @@ fn suffixes(layer: &Layer) -> &'static [&'static str] {
     }
 }
 
+/// What begins the name of a layer that holds one band of a spectrum, and the layer that other programs see all of them in.
+const SPECTRUM: &str = "S0.";
+
+/// The name of a channel of a layer: bands of a spectrum are channels by themselves.
+fn channel_name(layer: &Layer, suffix: &str) -> String {
+    if layer.channels == 1 && layer.name.starts_with(SPECTRUM) {
+        return layer.name.clone();
+    }
+    format!("{}.{suffix}", layer.name)
+}
+
 /// A value of an image's header.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Attribute {
@@ -81,7 +92,7 @@ pub(crate) fn encode(
     }
     for layer in &image.layers {
         for (channel, suffix) in suffixes(layer).iter().enumerate() {
-            let name = text(&format!("{}.{suffix}", layer.name));
+            let name = text(&channel_name(layer, suffix));
             channels.push(AnyChannel::new(name, plane(&layer.data, layer.channels, channel)));
         }
     }
@@ -314,7 +325,9 @@ fn collect(file: FlatImage) -> Result<Image> {
             let name = utf8(&channel.name);
             names.push(name.clone());
             let data = to_f32(channel.sample_data);
-            match name.rsplit_once('.') {
+            // Each band of a spectrum is a layer.
+            let split = if name.starts_with(SPECTRUM) { Some((&*name, "Y")) } else { name.rsplit_once('.') };
+            match split {
                 Some((layer, suffix)) => {
                     let (_, group) = groups.entry(layer.to_owned()).or_insert_with(|| (part.size, Group::new()));
                     group.insert(suffix.to_owned(), data);

@@ -17,7 +17,8 @@ pub enum Format {
     /// The image is `R`, `G`, `B` of the default layer, which every viewer shows first. A further layer is a group of
     /// channels with its name in front: `normal.X`, `normal.Y`, `normal.Z`; `depth.Z`; `.R`, `.G`, `.B` for any other
     /// layer of three values (`albedo.R`), and `.Y`, OpenEXR's name for a grey channel, for any other of one
-    /// (`samples.Y`). The chromaticities of Rec. 709 are stated in the header. An image with a
+    /// (`samples.Y`). A layer of one value whose name begins with `S0.` is a channel by that name: a band of a spectrum
+    /// ([`spectral_layer`](crate::output::spectral_layer)). The chromaticities of Rec. 709 are stated in the header. An image with a
     /// [`Placement`](crate::film::Placement) has the picture as its display window and itself as its data window, and the aspect of
     /// its pixels.
     Exr,

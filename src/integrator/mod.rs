@@ -31,7 +31,7 @@ use crate::film::PixelPhotonState;
 use crate::math::Ray;
 use crate::sampling::Sampler;
 use crate::scene::Scene;
-use crate::spectrum::{Rgb, Spectrum};
+use crate::spectrum::{Rgb, Sensor, Spectrum};
 
 /// A light transport algorithm over paths that carry `C`: three channels, or several wavelengths.
 pub trait Transport<C: Spectrum>: Sync {
@@ -83,11 +83,11 @@ pub trait Transport<C: Spectrum>: Sync {
         None
     }
 
-    /// The wavelengths of a path, drawn before the path begins. Methods whose photon maps have fixed wavelengths return
+    /// The wavelengths of a path for a sensor, drawn before the path begins. Methods whose photon maps have fixed wavelengths return
     /// those.
     #[inline(always)]
-    fn wavelengths<S: Sampler>(&self, sampler: &mut S) -> C::Wavelengths {
-        C::sample_wavelengths(|| sampler.next_4d()[0])
+    fn wavelengths<S: Sampler>(&self, sampler: &mut S, sensor: Sensor) -> C::Wavelengths {
+        C::sample_wavelengths_for(sensor, || sampler.next_4d()[0])
     }
 }
 

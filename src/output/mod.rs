@@ -41,7 +41,7 @@ use crate::spectrum::Primaries;
 use crate::{Error, ErrorKind, Result, replace};
 
 pub use crate::image::{Attribute, Format, MAX_PIXELS, read};
-pub use attributes::summary_attributes;
+pub use attributes::{spectral_attributes, spectral_layer, summary_attributes};
 pub use bake::{VertexValues, light_map_image, write_atlas, write_vertices};
 pub use metrics::{Metrics, REL_MSE_EPSILON, compare};
 pub use photons::{PhotonFormat, check_photon_target, write_photons};

@@ -9,7 +9,7 @@ use crate::control::Parallel;
 use crate::desc::{IntegratorDesc, RenderDesc};
 use crate::integrator::photon::Plan;
 use crate::scene::Scene;
-use crate::spectrum::SampledSpectrum;
+use crate::spectrum::{SampledSpectrum, Sensor};
 
 /// The plan of the photon maps of a render.
 pub(super) enum Maps {
@@ -29,9 +29,15 @@ macro_rules! of_plan {
 
 impl Maps {
     /// [`Plan::new`], in wavelengths where the settings say so.
-    pub fn new(scene: &Scene, camera: &Camera, desc: &Arc<RenderDesc>, integrator: IntegratorDesc) -> Result<Self> {
+    pub fn new(
+        scene: &Scene,
+        camera: &Camera,
+        desc: &Arc<RenderDesc>,
+        integrator: IntegratorDesc,
+        sensor: Sensor,
+    ) -> Result<Self> {
         Ok(if desc.spectral {
-            Self::Wavelengths(Plan::in_spectrum(scene, camera, desc, integrator)?)
+            Self::Wavelengths(Plan::in_spectrum(scene, camera, desc, integrator)?.for_sensor(sensor))
         } else {
             Self::Colours(Plan::new(scene, camera, desc, integrator)?)
         })

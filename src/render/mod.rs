@@ -42,7 +42,7 @@ use crate::integrator::{Irradiance, Path, Probe, ProbeQuantity, Probes, Sites};
 use crate::integrator::{check_support, check_wavelengths, no_wavelengths};
 use crate::sampling::Filter;
 use crate::scene::Scene;
-use crate::spectrum::white_balance;
+use crate::spectrum::{Sensor, white_balance};
 use adaptive::{MIN_PIXELS, PILOT, Stage};
 use maps::Maps;
 use method::Method;
@@ -206,6 +206,7 @@ impl Render {
         let filter_desc = if desc.sampler == SamplerDesc::Gaussian { FilterDesc::Box } else { desc.filter };
         let choice = (desc.integrator.info().preparation == Preparation::Choice).then(|| choose(scene));
         let integrator = choice.as_ref().map_or(desc.integrator, |choice| choice.integrator);
+        settings.check_sensor()?;
         if desc.spectral {
             match &method {
                 None => check_wavelengths(integrator, desc)?,
@@ -226,7 +227,7 @@ impl Render {
         let scene = scene.with_roulette(desc.roulette);
         let shared = Arc::new(desc.clone());
         let plan = match integrator.info().preparation {
-            Preparation::PhotonMaps(..) => Some(Maps::new(&scene, &camera, &shared, integrator)?),
+            Preparation::PhotonMaps(..) => Some(Maps::new(&scene, &camera, &shared, integrator, settings.sensor)?),
             Preparation::Nothing | Preparation::RadiositySolution | Preparation::Choice => None,
         };
         let pass_samples = plan.as_ref().and_then(Maps::samples_a_pass);
@@ -428,13 +429,19 @@ impl Render {
         }
     }
 
+    /// Whether the film has colours of a picture, which a white balance adapts.
+    fn has_white(&self) -> bool {
+        !self.method.is_of_places() && self.settings.sensor == Sensor::Observer
+    }
+
     /// The input of the next pass.
     fn pass_input(&self) -> PassInput {
         PassInput {
             scene: self.scene.clone(),
             camera: self.camera,
             has_rim: self.camera.has_rim() && !self.method.is_of_places(),
-            white_balance: self.desc.white_balance.filter(|_| !self.method.is_of_places()).and_then(white_balance),
+            sensor: self.settings.sensor,
+            white_balance: self.desc.white_balance.filter(|_| self.has_white()).and_then(white_balance),
             moving_camera: self.moving_camera.clone(),
             filter: self.filter.clone(),
             desc: Arc::clone(&self.desc),

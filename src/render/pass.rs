@@ -16,7 +16,7 @@ use crate::integrator::{Context, Direct, Irradiance, Path, Probes, Sample, Trace
 use crate::math::{DMat3, Ray};
 use crate::sampling::{AnySampler, Filter, Pattern, PatternSampler, Sampler, SobolSampler};
 use crate::scene::{Backplate, Hit, Scene};
-use crate::spectrum::{Rgb, SampledSpectrum, Spectrum};
+use crate::spectrum::{Rgb, SampledSpectrum, Sensor, Spectrum};
 
 /// Number of samples that are taken in one wave: enough to fill ray packets when most paths have ended, and few enough for the
 /// data to stay in the first caches.
@@ -33,6 +33,8 @@ pub(super) struct PassInput {
     pub camera: Camera,
     /// Whether the picture is a circle that the camera sees.
     pub has_rim: bool,
+    /// What the film's channels are, where paths carry wavelengths.
+    pub sensor: Sensor,
     /// What colours become by the white balance, where there is one.
     pub white_balance: Option<DMat3>,
     /// The camera at all times, where it moves.
@@ -241,7 +243,7 @@ impl<I: Transport<C>, C: Spectrum> Measurement for CameraRadiance<'_, I, C> {
         }
         if C::HAS_WAVELENGTHS {
             for sample in samples.iter_mut() {
-                sample.wavelengths = self.0.wavelengths(&mut sample.sampler);
+                sample.wavelengths = self.0.wavelengths(&mut sample.sampler, pass.input.sensor);
             }
         }
         if I::IN_WAVES {
@@ -569,7 +571,7 @@ impl Pass {
         let mut tile = self.input.film.tile(tile);
         for (job, Sample { radiance, wavelengths, first, .. }) in batch.jobs.iter().zip(&batch.samples) {
             let is_blind = self.input.has_rim && !self.sees(job);
-            let mut radiance = if is_blind { Rgb::ZERO } else { radiance.to_rgb(wavelengths) };
+            let mut radiance = if is_blind { Rgb::ZERO } else { radiance.to_film(wavelengths, self.input.sensor) };
             if let Some(white) = &self.input.white_balance {
                 radiance = Rgb::from_f64(*white * radiance.to_f64());
             }

@@ -3,9 +3,10 @@
 use std::time::Duration;
 
 use super::workers::Workers;
-use crate::Cancel;
 use crate::desc::RenderDesc;
 use crate::film::ErrorMeasure;
+use crate::spectrum::Sensor;
+use crate::{Cancel, Error, Result};
 
 /// Settings of a render: what to render, and with how much effort.
 #[derive(Clone, Debug, Default)]
@@ -35,4 +36,22 @@ pub struct RenderSettings {
     pub cancel: Cancel,
     /// Whether the film keeps albedo, normal and depth of the first hit.
     pub auxiliary: bool,
+    /// What the channels of the film are, where `desc.spectral` says that paths carry wavelengths: the colours that the standard
+    /// observer sees, or the means over three bands, to which the white balance does not apply.
+    pub sensor: Sensor,
+}
+
+impl RenderSettings {
+    /// Checks the sensor.
+    ///
+    /// # Errors
+    /// [`crate::ErrorKind::InvalidScene`] at `sensorBands` for bands that cannot be, and for bands of paths in three channels.
+    pub(crate) fn check_sensor(&self) -> Result<()> {
+        self.sensor.check("sensorBands")?;
+        if self.sensor != Sensor::Observer && !self.desc.spectral {
+            let message = "paths in three channels have no bands of wavelengths, expected `spectral` beside them";
+            return Err(Error::invalid("sensorBands", message));
+        }
+        Ok(())
+    }
 }

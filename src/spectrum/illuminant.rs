@@ -1,6 +1,6 @@
 //! Illuminants of the CIE, and black bodies.
 //!
-//! Sources: CIE 015:2018 (daylight, illuminants A and E); Planck 1900; CODATA 2018.
+//! Sources: CIE 015:2018 (daylight, illuminants A and E); CIE 15:2004, table T.6.1 (fluorescent lamps); Planck 1900; CODATA 2018.
 
 use super::observer::between_rows;
 
@@ -10,6 +10,14 @@ const SECOND_RADIATION: f64 = 6.626_070_15e-34 * 299_792_458.0 / 1.380_649e-23;
 
 /// The components of daylight by 10 nm, from 300 nm on: S0, S1 and S2.
 const DAYLIGHT: &[[u8; 12]] = include_bytes!("tables/daylight.f32").as_chunks().0;
+
+/// Wavelengths \[nm\] of fluorescent lamps: the first, the distance of two, and how many there are.
+const FLUORESCENT_FROM: f64 = 380.0;
+const FLUORESCENT_STEP: f64 = 5.0;
+const FLUORESCENT_COUNT: usize = 81;
+
+/// Fluorescent lamps: relative power by wavelength, of FL1 to FL12.
+const FLUORESCENT: &[[u8; 4 * FLUORESCENT_COUNT]] = include_bytes!("tables/fluorescent.f32").as_chunks().0;
 
 /// The correlated colour temperatures \[K\] for which the formula of daylight is stated.
 pub const DAYLIGHT_TEMPERATURES: [f64; 2] = [4000.0, 25_000.0];
@@ -35,6 +43,11 @@ pub enum Illuminant {
     Daylight {
         /// Weights of S1 and S2.
         weights: [f64; 2],
+    },
+    /// A fluorescent lamp; see [`Illuminant::fluorescent`].
+    Fluorescent {
+        /// 1 to 12, of FL1 to FL12.
+        number: u8,
     },
     /// A black body.
     BlackBody {
@@ -74,8 +87,17 @@ impl Illuminant {
         Some(Self::Daylight { weights: weights.map(rounded) })
     }
 
-    /// The spectrum at a wavelength \[nm\], relative to 100 at 560 nm. Daylight is 0 outside of 300 to 830 nm, where it is not stated;
-    /// other spectra are for any wavelength > 0.
+    /// A fluorescent lamp by its number: FL1 to FL6 have a broad band, FL7 to FL9 several, and FL10 to FL12 three narrow ones; `None`
+    /// for numbers that are not 1 to 12.
+    ///
+    /// Source: CIE 15:2004, table T.6.1, by 5 nm.
+    pub fn fluorescent(number: u8) -> Option<Self> {
+        (1..=FLUORESCENT.len()).contains(&usize::from(number)).then_some(Self::Fluorescent { number })
+    }
+
+    /// The spectrum at a wavelength \[nm\], relative to 100 at 560 nm, or as the CIE tabulates fluorescent lamps. Daylight is 0 outside
+    /// of 300 to 830 nm and a fluorescent lamp outside of 380 to 780 nm, where they are not stated; other spectra are for any
+    /// wavelength > 0.
     pub fn power(self, nanometres: f64) -> f64 {
         match self {
             Self::E => 100.0,
@@ -86,6 +108,16 @@ impl Illuminant {
             Self::Daylight { weights: [first, second] } => {
                 let s = between_rows(DAYLIGHT, (nanometres - 300.0) / 10.0);
                 s.x + first * s.y + second * s.z
+            }
+            Self::Fluorescent { number } => {
+                let row = usize::from(number).checked_sub(1).and_then(|lamp| FLUORESCENT.get(lamp));
+                let last = (FLUORESCENT_COUNT - 1) as f64;
+                let place = (nanometres - FLUORESCENT_FROM) / FLUORESCENT_STEP;
+                let Some(row) = row.filter(|_| (0.0..=last).contains(&place)) else { return 0.0 };
+                let powers = row.as_chunks::<4>().0;
+                let lower = (place as usize).min(powers.len() - 2);
+                let [before, after] = [lower, lower + 1].map(|i| f64::from(f32::from_le_bytes(powers[i])));
+                before + (after - before) * (place - lower as f64)
             }
             Self::BlackBody { temperature } => {
                 100.0 * black_body(temperature, nanometres) / black_body(temperature, 560.0)
@@ -170,6 +202,49 @@ mod tests {
         for (nanometres, d65, a) in [(380.0, 49.975_5, 9.795), (450.0, 117.008, 33.086), (700.0, 71.6091, 198.261)] {
             assert!((Illuminant::D65.power(nanometres) - d65).abs() < 2e-3, "{nanometres}");
             assert!((Illuminant::A.power(nanometres) - a).abs() < 1e-3, "{nanometres}");
+        }
+    }
+
+    /// CIE 15:2004, table T.8.1, of sums by 5 nm. The table gives all lamps the same luminance.
+    #[test]
+    fn fluorescent_lamps_have_their_chromaticities() {
+        let known = [
+            [0.3131, 0.3371],
+            [0.3721, 0.3751],
+            [0.4091, 0.3941],
+            [0.4402, 0.4031],
+            [0.3138, 0.3452],
+            [0.3779, 0.3882],
+            [0.3129, 0.3292],
+            [0.3458, 0.3586],
+            [0.3741, 0.3727],
+            [0.3458, 0.3588],
+            [0.3805, 0.3769],
+            [0.4370, 0.4042],
+        ];
+        for (number, expected) in (1..).zip(known) {
+            let lamp = Illuminant::fluorescent(number).unwrap();
+            let xyz = tristimulus(|nanometres| if nanometres % 5.0 == 0.0 { lamp.power(nanometres) } else { 0.0 });
+            let [x, y] = [xyz.x, xyz.y].map(|value| value / xyz.element_sum());
+            assert!((x - expected[0]).abs() < 6e-5 && (y - expected[1]).abs() < 6e-5, "FL{number}: {x} {y}");
+            assert!((xyz.y / 292.83 - 1.0).abs() < 2e-4, "FL{number}: {}", xyz.y);
+            // What is linear between them is wider than the lines of mercury are.
+            let [x, y] = chromaticity(lamp);
+            assert!((x - expected[0]).abs() < 3e-4 && (y - expected[1]).abs() < 3e-4, "FL{number}: {x} {y}");
+            assert_eq!([379.9, 780.1, f64::NAN].map(|nanometres| lamp.power(nanometres)), [0.0; 3]);
+        }
+        assert_eq!([0, 13].map(Illuminant::fluorescent), [None; 2]);
+        // Values that the CIE tabulates, and between them.
+        for (number, nanometres, power) in [
+            (2, 380.0, 1.18),
+            (2, 435.0, 34.98),
+            (7, 545.0, 29.52),
+            (11, 610.0, 55.27),
+            (11, 780.0, 0.09),
+            (2, 436.0, 30.346),
+        ] {
+            let found = Illuminant::fluorescent(number).unwrap().power(nanometres);
+            assert!((found - power).abs() < 1e-2, "FL{number} at {nanometres}: {found}");
         }
     }
 }

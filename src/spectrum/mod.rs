@@ -7,6 +7,7 @@ mod planckian;
 mod primaries;
 mod rgb;
 mod sampled;
+mod sensor;
 mod transported;
 mod upsample;
 
@@ -17,6 +18,7 @@ pub use planckian::{BLACK_BODY_TEMPERATURES, black_body_color, black_body_lumina
 pub use primaries::Primaries;
 pub use rgb::Rgb;
 pub use sampled::{SampledSpectrum, SampledWavelengths};
+pub use sensor::Sensor;
 pub use transported::Spectrum;
 pub use upsample::SmoothSpectrum;
 

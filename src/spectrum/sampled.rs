@@ -1,10 +1,10 @@
 //! Radiance at four wavelengths.
 //!
 //! A path carries four wavelengths that are a quarter of the distribution apart, so that together they are stratified. They are drawn
-//! nearly in proportion to what the standard observer sees of D65. All four share the path's random decisions, none of which depends on one
-//! wavelength alone, so that their mean is an estimate without further weights. Surfaces that refract each wavelength into another
-//! direction are the exception: there the first one decides, what is reflected has its share of each, and what is refracted goes on with
-//! the first one alone ([`Spectrum::keep_first`]).
+//! nearly in proportion to what the standard observer sees of D65, or evenly from the bands of a sensor. All four share the path's
+//! random decisions, none of which depends on one wavelength alone, so that their mean is an estimate without further weights. Surfaces
+//! that refract each wavelength into another direction are the exception: there the first one decides, what is reflected has its share
+//! of each, and what is refracted goes on with the first one alone ([`Spectrum::keep_first`]).
 //!
 //! Sources: Wilkie et al. 2014, "Hero Wavelength Spectral Sampling"; Pharr, Jakob and Humphreys 2023, "Physically Based Rendering",
 //! Sec. 4.5.4 (secondary wavelengths that end).
@@ -16,11 +16,14 @@ use super::illuminant::Illuminant;
 use super::observer::{REC_709_FROM_XYZ, VISIBLE, color_matching, tristimulus};
 use super::transported::Spectrum;
 use super::upsample::normalised;
-use super::{Rgb, SmoothSpectrum};
+use super::{Rgb, Sensor, SmoothSpectrum};
 use crate::math::{DVec4, Vec4};
 
 /// Number of wavelengths that a path carries.
 pub const WAVELENGTHS: usize = 4;
+
+/// Number of bands of [`Sensor::Bands`], as many as a film has channels.
+const BANDS: usize = 3;
 
 /// A radiance [W m^-2 sr^-1 nm^-1], a path weight or a photon's power per nm at the [`SampledWavelengths`] of a path.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -50,20 +53,20 @@ impl SampledSpectrum {
     }
 }
 
-/// Number of parts of equal probability between [`Sensor::quantiles`].
+/// Number of parts of equal probability between [`Observer::quantiles`].
 const QUANTILES: usize = 512;
 
-/// What a sensor gets from each wavelength, and how wavelengths are drawn for it.
-struct Sensor {
+/// What the standard observer gets from each wavelength, and how wavelengths are drawn for it.
+struct Observer {
     /// By 1 nm from 360 nm on: linear Rec. 709 of a radiance of 1 W m^-2 sr^-1 nm^-1, per nm, and the spectrum of white.
     response: Vec<[f32; 4]>,
     /// The wavelengths \[nm\] below which the parts of equal probability lie. Within a part, all wavelengths are as probable.
     quantiles: [f32; QUANTILES + 1],
 }
 
-static SENSOR: LazyLock<Sensor> = LazyLock::new(Sensor::new);
+static OBSERVER: LazyLock<Observer> = LazyLock::new(Observer::new);
 
-impl Sensor {
+impl Observer {
     fn new() -> Self {
         let [low, high] = VISIBLE;
         let count = (high - low) as usize + 1;
@@ -211,16 +214,16 @@ impl Spectrum for SampledSpectrum {
 
     #[inline]
     fn sample_wavelengths(u: impl FnOnce() -> f32) -> SampledWavelengths {
-        let (u, sensor) = (u(), &*SENSOR);
-        let mut wavelengths = SampledWavelengths::default();
-        for i in 0..WAVELENGTHS {
-            let turned = u + i as f32 / WAVELENGTHS as f32;
-            let (nanometres, pdf) = sensor.sample(if turned < 1.0 { turned } else { turned - 1.0 });
-            wavelengths.nanometres[i] = nanometres;
-            wavelengths.pdf[i] = pdf;
-            wavelengths.white[i] = sensor.at(nanometres).w;
-        }
-        wavelengths
+        let observer = &*OBSERVER;
+        SampledWavelengths::draw(observer, u(), |u| observer.sample(u))
+    }
+
+    #[inline]
+    fn sample_wavelengths_for(sensor: Sensor, u: impl FnOnce() -> f32) -> SampledWavelengths {
+        let Sensor::Bands { range } = sensor else { return Self::sample_wavelengths(u) };
+        let [first, last] = range.map(|nanometres| nanometres as f32);
+        let width = last - first;
+        SampledWavelengths::draw(&OBSERVER, u(), |u| (first + u * width, 1.0 / width))
     }
 
     /// A smooth spectrum ([`SmoothSpectrum`]), which is constant for greys.
@@ -258,13 +261,27 @@ impl Spectrum for SampledSpectrum {
 
     #[inline]
     fn to_rgb(self, wavelengths: &SampledWavelengths) -> Rgb {
-        let sensor = &*SENSOR;
+        let observer = &*OBSERVER;
         let mut sum = Vec4::ZERO;
         let weights = self.0 / (wavelengths.pdf * WAVELENGTHS as f32);
         for i in 0..WAVELENGTHS {
-            sum += sensor.at(wavelengths.nanometres[i]) * weights[i];
+            sum += observer.at(wavelengths.nanometres[i]) * weights[i];
         }
         Rgb::new(sum.x, sum.y, sum.z)
+    }
+
+    #[inline]
+    fn to_film(self, wavelengths: &SampledWavelengths, sensor: Sensor) -> Rgb {
+        let Sensor::Bands { range } = sensor else { return self.to_rgb(wavelengths) };
+        let [first, last] = range.map(|nanometres| nanometres as f32);
+        let per_width = BANDS as f32 / (last - first);
+        let means = self.0 * (per_width / WAVELENGTHS as f32) / wavelengths.pdf;
+        let mut sums = [0.0; BANDS];
+        for i in 0..WAVELENGTHS {
+            let band = ((wavelengths.nanometres[i] - first) * per_width) as usize;
+            sums[band.min(BANDS - 1)] += means[i];
+        }
+        Rgb::from_array(sums)
     }
 
     /// Powers are not negative: the sign of the second value says that the first wavelength is alone.
@@ -317,6 +334,22 @@ impl Spectrum for SampledSpectrum {
         let factor = if *alone { 1.0 } else { WAVELENGTHS as f32 };
         *alone = true;
         Self(Vec4::new(self.0.x * factor, 0.0, 0.0, 0.0))
+    }
+}
+
+impl SampledWavelengths {
+    /// Wavelengths a quarter of the distribution apart: `sample` makes a number in [0, 1) a wavelength \[nm\] and its density [nm^-1].
+    #[inline(always)]
+    fn draw(observer: &Observer, u: f32, sample: impl Fn(f32) -> (f32, f32)) -> Self {
+        let mut wavelengths = Self::default();
+        for i in 0..WAVELENGTHS {
+            let turned = u + i as f32 / WAVELENGTHS as f32;
+            let (nanometres, pdf) = sample(if turned < 1.0 { turned } else { turned - 1.0 });
+            wavelengths.nanometres[i] = nanometres;
+            wavelengths.pdf[i] = pdf;
+            wavelengths.white[i] = observer.at(nanometres).w;
+        }
+        wavelengths
     }
 }
 
@@ -385,6 +418,30 @@ mod tests {
         let light = |color| SampledSpectrum::from_emission(color, &wavelengths);
         assert_eq!(light(Rgb::ZERO), SampledSpectrum::ZERO);
         assert!(!light(Rgb::new(f32::INFINITY, 1.0, 0.0)).is_finite());
+    }
+
+    /// The mean over each band, of wavelengths that are all inside of the bands.
+    #[test]
+    fn bands_have_the_mean_of_a_spectrum() {
+        const N: u32 = 3 << 12;
+        let range = [412.5, 487.5];
+        let sensor = Sensor::Bands { range };
+        let spectrum = |nanometres: f64| 2.0 + ((nanometres - 400.0) / 20.0).sin();
+        let mut sum = DVec3::ZERO;
+        for i in 0..N {
+            let wavelengths = SampledSpectrum::sample_wavelengths_for(sensor, || (i as f32 + 0.5) / N as f32);
+            assert!(wavelengths.nanometres.to_array().iter().all(|nm| (range[0]..=range[1]).contains(&f64::from(*nm))));
+            let at = |nanometres: Option<f32>| spectrum(f64::from(nanometres.unwrap_or(0.0))) as f32;
+            let light = SampledSpectrum::at_wavelengths(&wavelengths, at);
+            sum += light.to_film(&wavelengths, sensor).to_f64();
+            assert!(light.to_film(&wavelengths, Sensor::Observer) == light.to_rgb(&wavelengths));
+        }
+        for band in 0..BANDS {
+            let from = range[0] + 25.0 * band as f64;
+            let expected: f64 = (0..1000).map(|i| spectrum(from + (f64::from(i) + 0.5) / 40.0) / 1000.0).sum();
+            let found = sum[band] / f64::from(N);
+            assert!((found / expected - 1.0).abs() < 1e-3, "{band}: {found} for {expected}");
+        }
     }
 
     #[test]

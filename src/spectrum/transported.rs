@@ -3,7 +3,7 @@
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Sub};
 
-use super::Rgb;
+use super::{Rgb, Sensor};
 use crate::math::DVec3;
 
 /// A radiance, a path weight or a photon's power in a fixed number of channels.
@@ -73,6 +73,12 @@ pub trait Spectrum:
     /// Chooses the wavelengths of a path. `u` gives a number uniform in [0, 1); RGB does not ask for one.
     fn sample_wavelengths(u: impl FnOnce() -> f32) -> Self::Wavelengths;
 
+    /// As [`Spectrum::sample_wavelengths`], for a sensor; RGB has one sensor.
+    #[inline(always)]
+    fn sample_wavelengths_for(_sensor: Sensor, u: impl FnOnce() -> f32) -> Self::Wavelengths {
+        Self::sample_wavelengths(u)
+    }
+
     /// A reflectance in [0, 1] that has this colour.
     fn from_reflectance(color: Rgb, wavelengths: &Self::Wavelengths) -> Self;
 
@@ -81,6 +87,12 @@ pub trait Spectrum:
 
     /// An estimate of the colour that a sensor gets, which divides by the densities of the wavelengths.
     fn to_rgb(self, wavelengths: &Self::Wavelengths) -> Rgb;
+
+    /// An estimate of the three channels of a film, as [`Spectrum::to_rgb`] for any sensor. The wavelengths were drawn for it.
+    #[inline(always)]
+    fn to_film(self, wavelengths: &Self::Wavelengths, _sensor: Sensor) -> Rgb {
+        self.to_rgb(wavelengths)
+    }
 
     /// As photons store it, whose path has its first wavelength alone if `alone` says so.
     fn pack(self, alone: Self::Alone) -> Self::Packed;

@@ -120,6 +120,18 @@ static void enumerations(void) {
     VALUE(ETD_ILLUMINANT_D65);
     VALUE(ETD_ILLUMINANT_D75);
     VALUE(ETD_ILLUMINANT_E);
+    VALUE(ETD_ILLUMINANT_FL1);
+    VALUE(ETD_ILLUMINANT_FL2);
+    VALUE(ETD_ILLUMINANT_FL3);
+    VALUE(ETD_ILLUMINANT_FL4);
+    VALUE(ETD_ILLUMINANT_FL5);
+    VALUE(ETD_ILLUMINANT_FL6);
+    VALUE(ETD_ILLUMINANT_FL7);
+    VALUE(ETD_ILLUMINANT_FL8);
+    VALUE(ETD_ILLUMINANT_FL9);
+    VALUE(ETD_ILLUMINANT_FL10);
+    VALUE(ETD_ILLUMINANT_FL11);
+    VALUE(ETD_ILLUMINANT_FL12);
     ENUM(etd_spectrum_target);
     VALUE(ETD_SPECTRUM_OF_SURFACE);
     VALUE(ETD_SPECTRUM_OF_POINT_LIGHT);
@@ -366,6 +378,7 @@ static void structures(void) {
     FIELD(etd_render_options, crop_left);
     FIELD(etd_render_options, crop_top);
     FIELD(etd_render_options, white_balance);
+    FIELD(etd_render_options, sensor_bands);
     STRUCT(etd_camera);
     FIELD(etd_camera, struct_size);
     FIELD(etd_camera, projection);

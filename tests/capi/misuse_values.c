@@ -919,7 +919,11 @@ static void pass_spectra(void) {
     CHECK_OK(etd_scene_get_spectrum(scene, ETD_SPECTRUM_OF_SURFACE, flat, &out));
     CHECK(out.kind == ETD_SPECTRUM_DAYLIGHT && out.temperature == 5000);
     spectrum.kind = ETD_SPECTRUM_ILLUMINANT;
-    spectrum.illuminant = 6;
+    spectrum.illuminant = ETD_ILLUMINANT_FL12;
+    CHECK_OK(etd_scene_set_spectrum(scene, ETD_SPECTRUM_OF_SURFACE, flat, &spectrum));
+    CHECK_OK(etd_scene_get_spectrum(scene, ETD_SPECTRUM_OF_SURFACE, flat, &out));
+    CHECK(out.kind == ETD_SPECTRUM_ILLUMINANT && out.illuminant == ETD_ILLUMINANT_FL12);
+    spectrum.illuminant = 18;
     CHECK_STATUS(etd_scene_set_spectrum(scene, ETD_SPECTRUM_OF_SURFACE, flat, &spectrum), ETD_INVALID_ARGUMENT);
     spectrum.illuminant = ETD_ILLUMINANT_D65;
     CHECK_OK(etd_scene_set_spectrum(scene, ETD_SPECTRUM_OF_SURFACE, flat, &spectrum));

@@ -280,6 +280,10 @@ pub struct etd_render_options {
     /// Chromaticity, x and y of CIE 1931, of the light under which white surfaces are grey in the picture; 0, 0: that of D65. Light maps and
     /// light at given points have no white.
     pub white_balance: [f64; 2],
+    /// First and last wavelength, nm, of three adjacent bands of equal width, from 360 to 830 and 0.3 apart or more: with `spectral` on, the
+    /// channels of the film are then the mean spectral radiance over each band, W m^-2 sr^-1 nm^-1, and `white_balance` does not
+    /// apply. 0, 0: the colours that the standard observer sees.
+    pub sensor_bands: [f64; 2],
 }
 
 /// A phase of work.

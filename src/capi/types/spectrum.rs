@@ -17,7 +17,7 @@ pub enum etd_spectrum_kind {
     ETD_SPECTRUM_BLACK_BODY = 3,
 }
 
-/// Illuminants of CIE 015:2018.
+/// Illuminants of CIE 015:2018 and, of fluorescent lamps, CIE 15:2004.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum etd_illuminant {
@@ -33,6 +33,30 @@ pub enum etd_illuminant {
     ETD_ILLUMINANT_D75 = 4,
     /// The same power at all wavelengths.
     ETD_ILLUMINANT_E = 5,
+    /// A fluorescent lamp of about 6430 K, of a broad band.
+    ETD_ILLUMINANT_FL1 = 6,
+    /// A fluorescent lamp of about 4230 K, of a broad band.
+    ETD_ILLUMINANT_FL2 = 7,
+    /// A fluorescent lamp of about 3450 K, of a broad band.
+    ETD_ILLUMINANT_FL3 = 8,
+    /// A fluorescent lamp of about 2940 K, of a broad band.
+    ETD_ILLUMINANT_FL4 = 9,
+    /// A fluorescent lamp of about 6350 K, of a broad band.
+    ETD_ILLUMINANT_FL5 = 10,
+    /// A fluorescent lamp of about 4150 K, of a broad band.
+    ETD_ILLUMINANT_FL6 = 11,
+    /// A fluorescent lamp of about 6500 K, of several bands.
+    ETD_ILLUMINANT_FL7 = 12,
+    /// A fluorescent lamp of about 5000 K, of several bands.
+    ETD_ILLUMINANT_FL8 = 13,
+    /// A fluorescent lamp of about 4150 K, of several bands.
+    ETD_ILLUMINANT_FL9 = 14,
+    /// A fluorescent lamp of about 5000 K, of three narrow bands.
+    ETD_ILLUMINANT_FL10 = 15,
+    /// A fluorescent lamp of about 4000 K, of three narrow bands.
+    ETD_ILLUMINANT_FL11 = 16,
+    /// A fluorescent lamp of about 3000 K, of three narrow bands.
+    ETD_ILLUMINANT_FL12 = 17,
 }
 
 /// What can have a spectrum of its own.
@@ -86,7 +110,9 @@ pub struct etd_spectrum {
 enumerations! {
     etd_spectrum_kind: ETD_SPECTRUM_SAMPLES, ETD_SPECTRUM_ILLUMINANT, ETD_SPECTRUM_DAYLIGHT, ETD_SPECTRUM_BLACK_BODY;
     etd_illuminant:
-        ETD_ILLUMINANT_A, ETD_ILLUMINANT_D50, ETD_ILLUMINANT_D55, ETD_ILLUMINANT_D65, ETD_ILLUMINANT_D75, ETD_ILLUMINANT_E;
+        ETD_ILLUMINANT_A, ETD_ILLUMINANT_D50, ETD_ILLUMINANT_D55, ETD_ILLUMINANT_D65, ETD_ILLUMINANT_D75, ETD_ILLUMINANT_E,
+        ETD_ILLUMINANT_FL1, ETD_ILLUMINANT_FL2, ETD_ILLUMINANT_FL3, ETD_ILLUMINANT_FL4, ETD_ILLUMINANT_FL5, ETD_ILLUMINANT_FL6,
+        ETD_ILLUMINANT_FL7, ETD_ILLUMINANT_FL8, ETD_ILLUMINANT_FL9, ETD_ILLUMINANT_FL10, ETD_ILLUMINANT_FL11, ETD_ILLUMINANT_FL12;
     etd_spectrum_target:
         ETD_SPECTRUM_OF_SURFACE, ETD_SPECTRUM_OF_POINT_LIGHT, ETD_SPECTRUM_OF_DISTANT_LIGHT, ETD_SPECTRUM_OF_ENVIRONMENT,
         ETD_SPECTRUM_OF_COLOR, ETD_SPECTRUM_OF_TRANSMITTANCE, ETD_SPECTRUM_OF_REFLECTANCE, ETD_SPECTRUM_OF_ETA,

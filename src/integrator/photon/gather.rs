@@ -32,7 +32,7 @@ use crate::film::{PixelPhotonState, ShrinkingRadius};
 use crate::math::Ray;
 use crate::sampling::Sampler;
 use crate::scene::{Hit, PathMedia, Scene};
-use crate::spectrum::{Rgb, Spectrum};
+use crate::spectrum::{Rgb, Sensor, Spectrum};
 
 /// A photon map and the parameters of its queries.
 #[derive(Clone, Debug)]
@@ -93,6 +93,8 @@ pub struct Gather<C: Spectrum = Rgb> {
     pub(super) moment: Option<f32>,
     /// The wavelengths of that pass, which its photons and the paths that query them share.
     pub(super) wavelengths: C::Wavelengths,
+    /// What the film's channels are.
+    pub(super) sensor: Sensor,
     pub(super) max_depth: u32,
     pub(super) shadow_rays: u32,
     pub(super) min_photons: u32,
@@ -170,7 +172,7 @@ impl<C: Spectrum> Transport<C> for Gather<C> {
         let mut feedback = PixelFeedback { gathering, bias: C::ZERO };
         let radiance = self.follow(EyePath::new(ray, context.scene.media_at(&ray)), context, first, &mut feedback);
         if let Some(gathering) = feedback.gathering {
-            gathering.add_bias(self.pass, feedback.bias.to_rgb(&self.wavelengths));
+            gathering.add_bias(self.pass, feedback.bias.to_film(&self.wavelengths, self.sensor));
         }
         radiance
     }
@@ -179,7 +181,7 @@ impl<C: Spectrum> Transport<C> for Gather<C> {
         self.moment
     }
 
-    fn wavelengths<S: Sampler>(&self, _: &mut S) -> C::Wavelengths {
+    fn wavelengths<S: Sampler>(&self, _: &mut S, _: Sensor) -> C::Wavelengths {
         self.wavelengths
     }
 }

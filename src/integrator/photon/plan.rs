@@ -19,7 +19,7 @@ use crate::desc::{CacheSource, IntegratorDesc, KernelDesc, MapRenewal, PhotonMet
 use crate::error::{Error, ErrorKind, Result};
 use crate::sampling::Rng;
 use crate::scene::Scene;
-use crate::spectrum::{Rgb, Spectrum};
+use crate::spectrum::{Rgb, Sensor, Spectrum};
 
 /// Number of light paths of a map that is made once.
 const ONCE: u32 = 1_000_000;
@@ -64,6 +64,8 @@ pub struct Plan<C: Spectrum = Rgb> {
     moves: bool,
     camera: Camera,
     desc: Arc<RenderDesc>,
+    /// What the film's channels are.
+    sensor: Sensor,
     method: PhotonMethod,
     renewal: MapRenewal,
     /// First radii.
@@ -155,6 +157,7 @@ impl<C: Spectrum> Plan<C> {
             moves,
             camera: *camera,
             desc: Arc::clone(desc),
+            sensor: Sensor::Observer,
             method,
             renewal,
             caustic_radius,
@@ -166,6 +169,13 @@ impl<C: Spectrum> Plan<C> {
             notes: Vec::new(),
             rays: 0,
         })
+    }
+
+    /// The same plan for films whose channels are those of another sensor than the standard observer.
+    #[must_use]
+    pub fn for_sensor(mut self, sensor: Sensor) -> Self {
+        self.sensor = sensor;
+        self
     }
 
     /// Samples of each pixel that share the maps of one pass; `None` where maps are made once.
@@ -232,7 +242,7 @@ impl<C: Spectrum> Plan<C> {
     /// The wavelengths of a pass, which its photons and the eye paths that query them share. Wavelengths are spread evenly
     /// over passes.
     fn wavelengths(&self, pass: u32) -> C::Wavelengths {
-        C::sample_wavelengths(|| self.spread(0, pass))
+        C::sample_wavelengths_for(self.sensor, || self.spread(0, pass))
     }
 
     /// The moment of a pass ([`crate::math::Ray::time`]), which its photons and the eye paths that query them share; `None` where
@@ -482,6 +492,7 @@ impl<C: Spectrum> Plan<C> {
             pass,
             moment: self.moment(pass),
             wavelengths: self.wavelengths(pass),
+            sensor: self.sensor,
             max_depth: self.desc.max_depth.unwrap_or(u32::MAX),
             shadow_rays: self.desc.shadow_rays,
             min_photons: photons.min_photons,

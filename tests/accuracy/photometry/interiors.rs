@@ -98,6 +98,7 @@ fn area(case: &mut Case) {
     let scene = build(&desc);
     let places = [
         ("floor, middle", [0.0, 0.0, 0.0], DVec3::Z),
+        ("floor, 0.125 m off", [0.125, 0.125, 0.0], DVec3::Z),
         ("floor, 0.5 m off", [0.5, 0.5, 0.0], DVec3::Z),
         ("floor, corner", [1.75, 1.75, 0.0], DVec3::Z),
         ("wall, 2.75 m high", [2.0, 0.0, 2.75], DVec3::NEG_X),
@@ -140,34 +141,48 @@ fn flux(case: &mut Case) {
     }
 }
 
-/// A horizontal surface of 4 m x 4 m of reflectance 0.8, lit straight from above by 1000 lx, and points of a wall beside it, whose
-/// plane the light is parallel to.
-fn lit_patch(more: Vec<(etendue::desc::ShapeDesc, BsdfDesc, Option<Rgb>)>) -> SceneDesc {
-    let mut surfaces = vec![(level([-2.0, 2.0], [0.5, 4.5], 0.0, true), grey(0.8), None)];
+/// A horizontal surface of 4 m x 4 m of reflectance 0.8 that is `gap` \[m\] away from the plane y = 0 of a wall, and lit straight from
+/// above by 1000 lx, which are parallel to the wall.
+fn lit_patch(gap: f64, more: Vec<(etendue::desc::ShapeDesc, BsdfDesc, Option<Rgb>)>) -> SceneDesc {
+    let mut surfaces = vec![(level([-2.0, 2.0], [gap, gap + 4.0], 0.0, true), grey(0.8), None)];
     surfaces.extend(more);
     let mut desc = of(surfaces);
     desc.add_distant_light(DistantLightDesc::parallel(DVec3::Z, white(1000.0))).expect("a light");
     desc
 }
 
+/// Heights of points on a wall half a metre away from the lit floor, and on one that it touches.
 const HEIGHTS: [f64; 6] = [0.25, 0.5, 1.0, 2.0, 3.0, 3.75];
+const HEIGHTS_TOUCHING: [f64; 5] = [0.75, 1.25, 1.75, 2.25, 2.75];
 
 fn reflection(case: &mut Case) {
-    let scene = build(&lit_patch(vec![]));
-    let places = HEIGHTS.map(|z| (DVec3::new(0.0, 0.0, z), DVec3::Y));
-    let patch = [[-2.0, 0.5, 0.0], [2.0, 0.5, 0.0], [2.0, 4.5, 0.0], [-2.0, 4.5, 0.0]].map(super::point);
-    let found = illuminance(&scene, &places, case.count(65_536, 1 << 20) as u32, IntegratorDesc::Path);
-    for (number, (p, n)) in places.into_iter().enumerate() {
-        let expected = 800.0 * polygon_factor(p, n, &patch);
-        let what = format!("wall beside a lit floor of 800 lm/m2, {} m high, lx, path", p.z);
-        case.mean(what, value(&found, number), expected, 1e-2);
+    let samples = case.count(65_536, 1 << 20) as u32;
+    // The factors of the floor for points of the wall, and what is found of 800 lm/m2.
+    let measured = |gap: f64, heights: &[f64]| {
+        let places: Vec<_> = heights.iter().map(|z| (DVec3::new(0.0, 0.0, *z), DVec3::Y)).collect();
+        let far = gap + 4.0;
+        let patch = [[-2.0, gap, 0.0], [2.0, gap, 0.0], [2.0, far, 0.0], [-2.0, far, 0.0]].map(super::point);
+        let found = illuminance(&build(&lit_patch(gap, vec![])), &places, samples, IntegratorDesc::Path);
+        let factors: Vec<f64> = places.iter().map(|(p, n)| polygon_factor(*p, *n, &patch)).collect();
+        (factors, found)
+    };
+    let (factors, found) = measured(0.5, &HEIGHTS);
+    for (number, z) in HEIGHTS.into_iter().enumerate() {
+        let what = format!("wall beside a lit floor of 800 lm/m2, {z} m high, lx, path");
+        case.mean(what, value(&found, number), 800.0 * factors[number], 1e-2);
+    }
+    let (factors, found) = measured(0.0, &HEIGHTS_TOUCHING);
+    for (number, z) in HEIGHTS_TOUCHING.into_iter().enumerate() {
+        let what = format!("wall that a lit floor touches, {z} m high, % of what the floor sends out, path");
+        let (mean, error) = value(&found, number);
+        case.mean(what, (mean / 8.0, error / 8.0), 100.0 * factors[number], 1e-2);
     }
 }
 
 fn obstruction(case: &mut Case) {
     // A black screen, parallel to the wall, hides the near part of the floor from low points and all of it from the lowest.
     let screen = quad([[-2.0, 0.3, 0.3], [-2.0, 0.3, 1.2], [2.0, 0.3, 1.2], [2.0, 0.3, 0.3]]);
-    let scene = build(&lit_patch(vec![(screen, BsdfDesc::Black, None)]));
+    let scene = build(&lit_patch(0.5, vec![(screen, BsdfDesc::Black, None)]));
     let places: [(DVec3, DVec3); 5] = [0.6, 1.2, 1.6, 2.4, 3.6].map(|z| (DVec3::new(0.4, 0.0, z), DVec3::Y));
     let found = illuminance(&scene, &places, case.count(131_072, 1 << 20) as u32, IntegratorDesc::Path);
     for (number, (p, n)) in places.into_iter().enumerate() {

@@ -1,5 +1,6 @@
 //! Paths that carry wavelengths: colours as spectra, and light that is dispersed.
 
+mod bands;
 mod films;
 mod own;
 mod varied;
@@ -43,6 +44,7 @@ pub fn cases() -> Vec<Entry> {
         Entry { id: "W13", title: "lamps of all kinds with a spectrum", run: own::lamps },
         Entry { id: "W14", title: "models with spectra against single wavelengths", run: own::models },
         Entry { id: "W15", title: "absorption by a spectrum", run: own::absorption },
+        Entry { id: "W16", title: "means over bands of wavelengths", run: bands::means },
         Entry { id: "W17", title: "temperatures and films that textures vary", run: varied::all },
     ]
 }

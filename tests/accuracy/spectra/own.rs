@@ -12,12 +12,12 @@ use etendue::desc::{
 use etendue::math::DVec3;
 use etendue::spectrum::{Illuminant, REC_709_FROM_XYZ, Rgb, VISIBLE, black_body, color_matching, rec_709, tristimulus};
 
-fn samples(pairs: &[[f64; 2]]) -> SpectrumDesc {
+pub(super) fn samples(pairs: &[[f64; 2]]) -> SpectrumDesc {
     SpectrumDesc::samples("", pairs).expect("samples of the test")
 }
 
 /// The value of samples at a wavelength, and what they are beyond their ends: nothing, or the same.
-fn between(pairs: &[[f64; 2]], nanometres: f64, ends: bool) -> f64 {
+pub(super) fn between(pairs: &[[f64; 2]], nanometres: f64, ends: bool) -> f64 {
     let (first, last) = (pairs[0], pairs[pairs.len() - 1]);
     if nanometres < first[0] || nanometres > last[0] {
         let nearest = if nanometres < first[0] { first[1] } else { last[1] };
@@ -39,18 +39,20 @@ fn by_tenths(spectrum: impl Fn(f64) -> f64) -> DVec3 {
 }
 
 /// A ramp, a band, and two peaks.
-const REFLECTANCES: [&[[f64; 2]]; 3] = [
+pub(super) const REFLECTANCES: [&[[f64; 2]]; 3] = [
     &[[400.0, 0.05], [700.0, 0.9]],
     &[[360.0, 0.1], [520.0, 0.1], [530.0, 0.85], [570.0, 0.85], [580.0, 0.1]],
     &[[380.0, 0.6], [450.0, 0.7], [550.0, 0.05], [620.0, 0.8], [830.0, 0.7]],
 ];
 
+/// The spectrum of an illuminant of luminance 1.
+pub(super) fn relative(illuminant: Illuminant) -> impl Fn(f64) -> f64 {
+    let scale = 1.0 / tristimulus(|nanometres| illuminant.power(nanometres)).y;
+    move |nanometres: f64| illuminant.power(nanometres) * scale
+}
+
 /// In a closed room of albedo rho that glows evenly, the radiance is E / (1 - rho) at each wavelength.
 pub fn between_walls(case: &mut Case) {
-    let relative = |illuminant: Illuminant| {
-        let scale = 1.0 / tristimulus(|nanometres| illuminant.power(nanometres)).y;
-        move |nanometres: f64| illuminant.power(nanometres) * scale
-    };
     const LAMP: &[[f64; 2]] = &[[430.0, 0.0], [440.0, 2e-2], [460.0, 1e-3], [545.0, 4e-3], [612.0, 8e-3], [700.0, 0.0]];
     let by_black_body = |nanometres: f64| black_body(2700.0, nanometres);
     type Spectrum<'a> = (&'a str, SpectrumDesc, &'a dyn Fn(f64) -> f64);
