@@ -220,10 +220,10 @@ impl Spectrum for SampledSpectrum {
 
     #[inline]
     fn sample_wavelengths_for(sensor: Sensor, u: impl FnOnce() -> f32) -> SampledWavelengths {
-        let Sensor::Bands { range } = sensor else { return Self::sample_wavelengths(u) };
-        let [first, last] = range.map(|nanometres| nanometres as f32);
-        let width = last - first;
-        SampledWavelengths::draw(&OBSERVER, u(), |u| (first + u * width, 1.0 / width))
+        match sensor {
+            Sensor::Observer => Self::sample_wavelengths(u),
+            Sensor::Bands { range } => SampledWavelengths::of_bands(range, u()),
+        }
     }
 
     /// A smooth spectrum ([`SmoothSpectrum`]), which is constant for greys.
@@ -272,16 +272,10 @@ impl Spectrum for SampledSpectrum {
 
     #[inline]
     fn to_film(self, wavelengths: &SampledWavelengths, sensor: Sensor) -> Rgb {
-        let Sensor::Bands { range } = sensor else { return self.to_rgb(wavelengths) };
-        let [first, last] = range.map(|nanometres| nanometres as f32);
-        let per_width = BANDS as f32 / (last - first);
-        let means = self.0 * (per_width / WAVELENGTHS as f32) / wavelengths.pdf;
-        let mut sums = [0.0; BANDS];
-        for i in 0..WAVELENGTHS {
-            let band = ((wavelengths.nanometres[i] - first) * per_width) as usize;
-            sums[band.min(BANDS - 1)] += means[i];
+        match sensor {
+            Sensor::Observer => self.to_rgb(wavelengths),
+            Sensor::Bands { range } => self.to_bands(wavelengths, range),
         }
-        Rgb::from_array(sums)
     }
 
     /// Powers are not negative: the sign of the second value says that the first wavelength is alone.
@@ -351,9 +345,33 @@ impl SampledWavelengths {
         }
         wavelengths
     }
+
+    /// Wavelengths of a path for a sensor of bands: all are as probable.
+    #[inline(never)]
+    fn of_bands(range: [f64; 2], u: f32) -> Self {
+        let [first, last] = range.map(|nanometres| nanometres as f32);
+        let width = last - first;
+        Self::draw(&OBSERVER, u, |u| (first + u * width, 1.0 / width))
+    }
 }
 
 impl SampledSpectrum {
+    /// An estimate of the means over bands.
+    ///
+    /// This and what draws the wavelengths are calls, so that the code of the usual sensor stays as it is.
+    #[inline(never)]
+    fn to_bands(self, wavelengths: &SampledWavelengths, range: [f64; 2]) -> Rgb {
+        let [first, last] = range.map(|nanometres| nanometres as f32);
+        let per_width = BANDS as f32 / (last - first);
+        let means = self.0 * (per_width / WAVELENGTHS as f32) / wavelengths.pdf;
+        let mut sums = [0.0; BANDS];
+        for i in 0..WAVELENGTHS {
+            let band = ((wavelengths.nanometres[i] - first) * per_width) as usize;
+            sums[band.min(BANDS - 1)] += means[i];
+        }
+        Rgb::from_array(sums)
+    }
+
     #[inline]
     fn smooth(color: Rgb, wavelengths: &SampledWavelengths) -> Self {
         Self(SmoothSpectrum::of_color(color).at_normalised(normalised(wavelengths.nanometres)))
