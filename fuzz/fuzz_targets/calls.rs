@@ -177,8 +177,18 @@ fn material(bsdf: u8, color: [f32; 3], n: [f32; 5]) -> etd_material {
 }
 
 /// The names of parameters, and one that is none.
-const PARAMETERS: [&std::ffi::CStr; 8] =
-    [c"color", c"roughness", c"base_color", c"opacity", c"normal", c"bump", c"weight", c"hue"];
+const PARAMETERS: [&std::ffi::CStr; 10] = [
+    c"color",
+    c"roughness",
+    c"base_color",
+    c"opacity",
+    c"normal",
+    c"bump",
+    c"weight",
+    c"hue",
+    c"filmThickness",
+    c"temperature",
+];
 
 /// A texture whose texels are in `texels`, which is made large enough.
 fn texture(kind: u8, size: [u8; 3], format: u8, n: [f32; 8], texels: &mut Vec<u8>) -> etd_texture {
@@ -690,6 +700,8 @@ impl World {
                         filter_parameters: parameters,
                         samples: u32::from(samples % 4),
                         max_depth: u32::from(depth % 16) + 1,
+                        spectral: u32::from(sampler >> 6),
+                        sensor_bands: if depth >> 6 == 3 { parameters.map(f64::from) } else { [0.0; 2] },
                         ..quick()
                     };
                     let film = if film { self.film } else { null_mut() };

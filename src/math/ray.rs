@@ -146,7 +146,7 @@ impl HitPoint {
     ///
     /// Each coordinate is rounded away from the surface. Source: Pharr, Jakob, Humphreys, *Physically Based Rendering*
     /// 4e, Sec. 6.8.6, with our own bound.
-    #[inline]
+    #[inline(always)]
     pub fn offset(&self, n: Vec3) -> Vec3 {
         // One or two units in the last place, in the direction of `d`, without a branch, which would be unpredictable.
         #[inline]
