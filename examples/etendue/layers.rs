@@ -34,7 +34,7 @@ impl Bands {
         // A little more, so that no band is refused for its rounding.
         if width < 1.001 * least {
             let message = format!(
-                "--spectral-layers {count}: bands of {width} nm are too narrow, expected fewer ones that are wider than {least} nm"
+                "--spectral-layers {count}: bands of {width:.3} nm are too narrow, expected fewer ones that are wider than {least} nm"
             );
             return Err(Failure::usage(message));
         }

@@ -98,10 +98,10 @@ impl Bsdf {
         }
     }
 
-    /// The same model, of which paths in wavelengths see the mean of the spectra of these colours by their weights. In three channels the
-    /// model has the mean colour already.
-    pub(crate) fn with_interpolated_color(self, colors: Box<[(f32, Rgb)]>) -> Self {
-        Self::Measured(Measured { model: Box::new(self), colors: Some(Colors::Interpolated(colors)) })
+    /// The same model, of which paths in wavelengths see for each of these parameters the mean of the spectra of its colours by their
+    /// weights. In three channels the model has the mean colours already.
+    pub(crate) fn with_interpolated_colors(self, colors: Vec<(SpectrumKey, f32, Rgb)>) -> Self {
+        Self::Measured(Measured { model: Box::new(self), colors: Some(Colors::Interpolated(colors.into())) })
     }
 
     /// The same interface between dielectrics with a thin film; other models as they are.
@@ -127,8 +127,8 @@ pub struct Measured<C: Spectrum = Rgb> {
 enum Colors {
     /// Of parameters, by the wavelength.
     Curves(Arc<[(SpectrumKey, SpectralCurve)]>),
-    /// Of `color`, the mean of the smooth spectra of these colours by their weights.
-    Interpolated(Box<[(f32, Rgb)]>),
+    /// Of parameters, the mean of the smooth spectra of these colours by their weights.
+    Interpolated(Box<[(SpectrumKey, f32, Rgb)]>),
 }
 
 impl Measured {
@@ -145,9 +145,12 @@ impl Measured {
                 }
             }
             Some(Colors::Interpolated(colors)) => {
-                let spectrum = |(weight, color): &(f32, Rgb)| C::from_reflectance(*color, wavelengths) * *weight;
-                let color = colors.iter().map(spectrum).fold(C::ZERO, |sum, part| sum + part);
-                model = model.with_color(SpectrumKey::Color, color);
+                for of in colors.chunk_by(|a, b| a.0 == b.0) {
+                    let sum = |sum, (_, weight, color): &(SpectrumKey, f32, Rgb)| {
+                        sum + C::from_reflectance(*color, wavelengths) * *weight
+                    };
+                    model = model.with_color(of[0].0, of.iter().fold(C::ZERO, sum));
+                }
             }
             None => {}
         }

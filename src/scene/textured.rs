@@ -9,8 +9,8 @@ use super::relief::Relief;
 use super::{SurfaceDetail, VaryingMaterial};
 use crate::bsdf::{Black, Bsdf, ByWavelength, FilmRange, Lobes, Mix, Model as _, TwoSided};
 use crate::desc::{
-    BsdfDesc, MaterialDesc, Parameter, SceneDesc, THICKEST_FILM, TextureBinding, TextureChannel, TextureKey,
-    TextureMapping, TextureSource, ThinFilmDesc,
+    BsdfDesc, MaterialDesc, Parameter, SceneDesc, SpectrumKey, THICKEST_FILM, TextureBinding, TextureChannel,
+    TextureKey, TextureMapping, TextureSource, ThinFilmDesc,
 };
 use crate::embree::Device;
 use crate::math::{DVec3, Vec3};
@@ -371,10 +371,8 @@ impl Recipe {
                 }
                 let around = around.filter(|_| *is_body);
                 let bsdf = Bsdf::at_point(&desc, around).by_wavelength(&desc, by, around, thickness);
-                match spread.and_then(|at| spread_color(stated, bound, at)) {
-                    Some(colors) => bsdf.with_interpolated_color(colors),
-                    None => bsdf,
-                }
+                let spread = spread.map_or(Vec::new(), |at| spread_colors(stated, bound, at));
+                if spread.is_empty() { bsdf } else { bsdf.with_interpolated_colors(spread) }
             }
             Self::Mix { desc, parts, weight } => {
                 let BsdfDesc::Mix { weight, .. } = applied(desc, weight, texel) else { return Bsdf::Black(Black) };
@@ -401,22 +399,37 @@ impl Recipe {
     }
 }
 
-/// The colours between which the `color` of a model is interpolated at a point, and their weights; `None` where they are all the same,
-/// and for models whose colours are more than a factor.
-fn spread_color(stated: &BsdfDesc, bound: &[Bound], at: &SurfaceDetail) -> Option<Box<[(f32, Rgb)]>> {
-    let factor = match *stated {
+/// The colours between which parameters of a model are interpolated at a point, and their weights; none where they are all the same,
+/// and of models whose colours are more than a factor.
+fn spread_colors(stated: &BsdfDesc, bound: &[Bound], at: &SurfaceDetail) -> Vec<(SpectrumKey, f32, Rgb)> {
+    let of = match *stated {
         BsdfDesc::Lambert { albedo: color }
         | BsdfDesc::OrenNayar { albedo: color, .. }
         | BsdfDesc::OrenNayarQualitative { albedo: color, .. }
         | BsdfDesc::Eon { albedo: color, .. }
         | BsdfDesc::Mirror { reflectance: color }
-        | BsdfDesc::Sheen { color, .. } => color,
-        _ => return None,
+        | BsdfDesc::Sheen { color, .. } => [Some((SpectrumKey::Color, TextureKey::Color, color)), None],
+        BsdfDesc::DiffuseTransmission { reflectance, transmittance } => [
+            Some((SpectrumKey::Color, TextureKey::Color, reflectance)),
+            Some((SpectrumKey::Transmittance, TextureKey::Transmittance, transmittance)),
+        ],
+        _ => return Vec::new(),
     };
-    let bound = bound.iter().find(|bound| bound.key == TextureKey::Color && bound.is_whole)?;
-    let mut colors = bound.colors(at);
-    colors.iter_mut().for_each(|(_, color)| *color = (factor * *color).max(Rgb::ZERO).min(Rgb::ONE));
-    colors.windows(2).any(|pair| pair[0].1 != pair[1].1).then(|| colors.into())
+    let (mut spread, mut most) = (Vec::new(), 0.0);
+    for (spectrum, key, factor) in of.into_iter().flatten() {
+        let Some(bound) = bound.iter().find(|bound| bound.key == key && bound.is_whole) else {
+            most += factor.max_element();
+            continue;
+        };
+        let colors = bound.colors(at);
+        most += colors.iter().map(|(_, color)| (factor * *color).max_element()).fold(0.0, f32::max);
+        if colors.windows(2).any(|pair| pair[0].1 != pair[1].1) {
+            let color = |(weight, color): (f32, Rgb)| (spectrum, weight, (factor * color).max(Rgb::ZERO).min(Rgb::ONE));
+            spread.extend(colors.into_iter().map(color));
+        }
+    }
+    // Sheets whose textures may sum to more than all light keep the colours that were scaled to sum to less.
+    if most > 1.0 && of[1].is_some() { Vec::new() } else { spread }
 }
 
 /// The description of a model at a point.

@@ -25,7 +25,10 @@ struct Known {
 static TABLE: LazyLock<Vec<Known>> = LazyLock::new(|| {
     let known = |i: usize| {
         let curve = SpectralCurve::of(|nanometres| black_body(temperature(i as f64), nanometres));
-        let color = curve.light_color().max(DVec3::ZERO);
+        let mut color = curve.light_color().max(DVec3::ZERO);
+        // Below about 960 K black bodies lie outside of Rec. 709 and have no green. They get a hundred thousandth of their red, so that
+        // green over red grows with the temperature there too.
+        color.y = color.y.max(1e-8 * temperature(i as f64) * color.x);
         Known { level: curve.luminance().ln(), color: color / color.dot(LUMINANCE_WEIGHTS.to_f64()) }
     };
     (0..COUNT).map(known).collect()
@@ -62,8 +65,7 @@ pub fn black_body_color(kelvin: f64) -> DVec3 {
     before.color.lerp(after.color, way) * black_body_luminance(kelvin)
 }
 
-/// The temperature \[K\] of the black body that has a colour, by its green over its red. Below about 960 K, where black bodies lie
-/// outside of Rec. 709 and have no green, it is the greatest temperature that has none.
+/// The temperature \[K\] of the black body that has a colour, by its green over its red.
 pub fn black_body_temperature(color: Rgb) -> f64 {
     let [red, green, _] = color.to_array().map(f64::from);
     let ratio = |known: &Known| known.color.y / known.color.x;
@@ -80,14 +82,13 @@ mod tests {
 
     #[test]
     fn temperatures_are_found_by_their_colours() {
-        for kelvin in [1000.0, 1200.0, 1850.0, 2700.0, 4321.0, 6500.0, 12_000.0, 40_000.0] {
+        for kelvin in [510.0, 602.0, 803.0, 1000.0, 1200.0, 1850.0, 2700.0, 4321.0, 6500.0, 12_000.0, 40_000.0] {
             let color = Rgb::from_f64(black_body_color(kelvin) / black_body_luminance(kelvin));
             let found = black_body_temperature(color * 3.0);
             assert!((found / kelvin - 1.0).abs() < 1e-4, "{kelvin}: {found}");
             let other = black_body_color(1.02 * kelvin) / black_body_luminance(1.02 * kelvin);
             assert!((black_body_temperature(Rgb::from_f64(other)) / kelvin - 1.0).abs() > 1e-2);
         }
-        assert!((900.0..1000.0).contains(&black_body_temperature(Rgb::new(1.0, 0.0, 0.0))));
         assert_eq!(black_body_color(499.0), DVec3::ZERO);
         assert_eq!(black_body_color(f64::NAN), DVec3::ZERO);
     }

@@ -32,7 +32,7 @@ impl Sensor {
             return Ok(());
         }
         let message = format!(
-            "[{first}, {last}] is no range of bands, expected two wavelengths from {low} to {high} nm that are {least} nm apart \
+            "[{first}, {last}] is no range of bands, expected two wavelengths from {low} to {high} nm that are {least:.1} nm apart \
              or more"
         );
         Err(Error::invalid(path, message))

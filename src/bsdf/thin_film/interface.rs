@@ -57,7 +57,7 @@ impl FilmedInterface {
         let (indices, film) = (Indices::new(inner, outer), film.into());
         let [low, high] = sorted(indices.both(None));
         let observed =
-            table(Key::Dielectric([low, high].map(f64::to_bits), film.bits()), film, |thickness, nanometres| {
+            table(Key::Dielectric([low, high].map(f64::to_bits), film.bits()), film, low, |thickness, nanometres| {
                 Stack::new(low, [film.ior.into(), thickness], Complex::real(high), nanometres)
             });
         Self { indices, film, thickness: film.thickness[1], observed }

@@ -33,7 +33,7 @@ impl FilmedMetal {
         let (eta, k) = (index.map(|[eta, _]| eta).into(), index.map(|[_, k]| k).into());
         let Some(curves) = curves else { return Self::new(eta, k, film) };
         let key = Key::MeasuredMetal(curves.bits().collect(), film.bits());
-        let observed = table(key, film, |thickness, nanometres| {
+        let observed = table(key, film, 1.0, |thickness, nanometres| {
             Stack::new(1.0, [film.ior.into(), thickness], measured(curves, nanometres), nanometres)
         });
         Self { eta, k, curves: Some(curves.clone()), film, thickness: film.thickness[1], observed }
@@ -43,7 +43,7 @@ impl FilmedMetal {
     pub fn new(eta: Vec3, k: Vec3, film: impl Into<FilmRange>) -> Self {
         let film = film.into();
         let bits = |numbers: Vec3| numbers.to_array().map(f32::to_bits);
-        let observed = table(Key::Metal(bits(eta), bits(k), film.bits()), film, |thickness, nanometres| {
+        let observed = table(Key::Metal(bits(eta), bits(k), film.bits()), film, 1.0, |thickness, nanometres| {
             Stack::new(1.0, [film.ior.into(), thickness], complex_index_at(eta, k, nanometres), nanometres)
         });
         Self { eta, k, curves: None, film, thickness: film.thickness[1], observed }

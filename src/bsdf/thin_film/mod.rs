@@ -16,7 +16,7 @@ mod tables;
 #[cfg(test)]
 mod tests;
 
-use airy::{Fringes, Stack};
+use airy::Stack;
 pub use interface::{FilmedInterface, Shares};
 pub use metal::FilmedMetal;
 use metal_index::complex_index_at;

@@ -85,11 +85,17 @@ fn interpolated(case: &mut Case) {
     let lamp = SpectrumDesc::by_name("A").expect("known");
     let scale = 1.0 / tristimulus(|nanometres| Illuminant::A.power(nanometres)).y;
     for (number, (left, right, apart)) in pairs.into_iter().enumerate() {
-        for filter in [TextureFilter::Bilinear, TextureFilter::Mip] {
+        let sheet = BsdfDesc::DiffuseTransmission { reflectance: Rgb::ONE, transmittance: Rgb::ZERO };
+        let walls = [
+            (TextureFilter::Bilinear, "wall", grey(1.0)),
+            (TextureFilter::Mip, "wall", grey(1.0)),
+            (TextureFilter::Bilinear, "sheet", sheet),
+        ];
+        for (filter, of, bsdf) in walls {
             // Half way between the two texels, and nearly nothing of the way to either.
             let view = camera(DVec3::new(0.0, 0.0, 2.0), DVec3::ZERO, 0.01);
             let wall = parallelogram(DVec3::new(-1.0, -1.0, 0.0), DVec3::X * 2.0, DVec3::Y * 2.0);
-            let mut desc = scene(view, vec![(wall, grey(1.0), None)]);
+            let mut desc = scene(view, vec![(wall, bsdf, None)]);
             let sky = EnvironmentDesc { spectrum: Some(lamp.clone()), ..EnvironmentDesc::even(Rgb::ONE) };
             desc.set_environment_desc(Some(sky)).expect("a sky");
             let image = image(2, 1, 3, |x, _, c| if x == 0 { left[c as usize] } else { right[c as usize] });
@@ -107,14 +113,14 @@ fn interpolated(case: &mut Case) {
             let exact = color(&|nanometres| 0.5 * f64::from(a.at(nanometres as f32) + b.at(nanometres as f32)));
             let most = exact.into_iter().fold(0.0, f64::max);
             for (channel, (mean, error)) in found.into_iter().enumerate() {
-                let what = format!("pair {number}, {filter:?}, channel {channel}: difference over the largest");
+                let what = format!("pair {number}, {of}, {filter:?}, channel {channel}: difference over the largest");
                 let off = (1.0 + (mean - exact[channel]) / most, error / most);
                 case.biased_mean(what, off, 1.0, (5e-4, pick(case, 1e-2, 3e-3)));
             }
             let mean = SmoothSpectrum::of_color(Rgb::from_array([0, 1, 2].map(|c: usize| 0.5 * (left[c] + right[c]))));
             let other = color(&|nanometres| f64::from(mean.at(nanometres as f32)));
             let away = (0..3).map(|c| (other[c] - exact[c]).abs() / most).fold(0.0, f64::max);
-            let what = format!("pair {number}, {filter:?}: the spectrum of the mean colour is another");
+            let what = format!("pair {number}, {of}, {filter:?}: the spectrum of the mean colour is another");
             case.holds(what, &format!("> {apart}"), format!("{away:.4}"), away > apart);
         }
     }
