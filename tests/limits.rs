@@ -3,11 +3,13 @@
 mod common;
 
 use std::ops::ControlFlow;
+use std::path::Path;
 use std::time::Duration;
 
 use common::scenes::{box_inside, camera, point_light, scene};
-use etendue::desc::{BsdfDesc, RenderDesc, SceneDesc, ShapeDesc};
+use etendue::desc::{self, BsdfDesc, IntegratorDesc, RenderDesc, SceneDesc, ShapeDesc, ShutterDesc};
 use etendue::film::Image;
+use etendue::integrator::{Probe, ProbeQuantity};
 use etendue::math::DVec3;
 use etendue::render::{Ended, MOST_SAMPLES, Render, RenderSettings, Summary, Workers};
 use etendue::scene::{BuildOptions, Scene};
@@ -139,6 +141,98 @@ fn targets_that_are_none_are_refused() {
         let settings = RenderSettings { target_error: Some(target), ..RenderSettings::default() };
         let error = Render::new(&scene, settings).err().expect("no target");
         assert_eq!((error.kind(), error.location().json_path.as_str()), (ErrorKind::InvalidScene, "targetError"));
+    }
+}
+
+/// A lamp and a ball with these keys, of a diffuse material with these keys, seen by a camera with these keys.
+fn ball(camera: &str, material: &str, surface: &str) -> SceneDesc {
+    let text = format!(
+        r#"{{"etendue": 1, "camera": {{"origin": [0, 0, 5], "shutter": {{"open": 0, "close": 1}}{camera}}},
+            "lights": [{{"type": "point", "origin": [0, 3, 3], "color": [9, 9, 9]}}],
+            "materials": [{{"name": "m", {material}}}],
+            "surfaces": [{{"geometry": "sphere", "material": "m", "origin": [0, 0, 0], "radius": 1{surface}}}]}}"#
+    );
+    desc::parse(&text, Path::new(""), None).unwrap()
+}
+
+const WHITE: &str = r#""type": "diffuse", "color": [0.8, 0.8, 0.8]"#;
+
+fn shared() -> RenderDesc {
+    RenderDesc { resolution: [16, 16], samples: 4, reuse: true, ..RenderDesc::default() }
+}
+
+/// Asserts that hits are not shared among pixels, for this reason.
+fn assert_shares_nothing<T>(made: etendue::Result<T>, why: &str) {
+    let error = made.err().unwrap_or_else(|| panic!("it was taken; expected: {why}"));
+    assert_eq!(error.kind(), ErrorKind::Unsupported, "{error}");
+    let expected = format!("render.integrator.reuse is true, and {why}");
+    assert!(error.message().starts_with(&expected), "'{expected}' is not the beginning of: {error}");
+}
+
+#[test]
+fn settings_and_places_that_share_no_hits_are_refused_by_name() {
+    let scene = diffuse();
+    let made = |settings: RenderSettings| Render::new(&scene, RenderSettings { threads: 1, ..settings });
+    let with = |desc: RenderDesc| RenderSettings { desc, ..RenderSettings::default() };
+    for integrator in IntegratorDesc::ALL {
+        let made = made(with(RenderDesc { integrator, ..shared() }));
+        if integrator == IntegratorDesc::Path {
+            assert!(made.is_ok());
+        } else {
+            assert_shares_nothing(made, &format!("{} shares no hits among pixels", integrator.name()));
+        }
+    }
+    let spectral = RenderDesc { spectral: true, ..shared() };
+    assert_shares_nothing(made(with(spectral)), "render.spectral gives each path wavelengths of its own");
+    let adaptive = RenderSettings { adaptive: Some(true), ..with(shared()) };
+    assert_shares_nothing(made(adaptive), "adaptive sampling gives neighbouring pixels different numbers of samples");
+
+    let probe = Probe { position: DVec3::ZERO, direction: DVec3::Y };
+    let lux = Render::probes(&scene, with(shared()), &[probe], ProbeQuantity::Irradiance);
+    assert_shares_nothing(lux, "light at given points has no neighbouring pixels");
+}
+
+/// Where nobody asked for adaptive samples, a target error does without them.
+#[test]
+fn pixels_that_share_hits_have_the_same_number_of_samples_for_a_target() {
+    let settings = RenderSettings {
+        desc: RenderDesc { samples: 1024, ..shared() },
+        target_error: Some(0.5),
+        threads: 1,
+        ..RenderSettings::default()
+    };
+    let (image, summary) = run(&diffuse(), settings.clone());
+    assert!(summary.ended == Ended::Error && !summary.adaptive);
+    let note = "all pixels had the same number of samples: neighbouring pixels share the hits of each sample";
+    assert!(summary.notes.iter().any(|given| given == note), "{:?}", summary.notes);
+    let counts = &image.layer("samples").unwrap().data;
+    assert!(counts.iter().all(|count| *count == counts[0]));
+    let (_, summary) = run(&diffuse(), RenderSettings { adaptive: Some(false), ..settings });
+    assert!(!summary.notes.iter().any(|given| given == note), "{:?}", summary.notes);
+}
+
+#[test]
+fn scenes_whose_paths_share_no_hits_are_refused_by_name() {
+    let made = |desc: &SceneDesc| {
+        let scene = Scene::build(desc, &BuildOptions::default()).unwrap();
+        Render::new(&scene, RenderSettings { desc: shared(), threads: 1, ..RenderSettings::default() })
+    };
+    let way = r#", "motion": [{"time": 0}, {"time": 1, "translate": [0.5, 0, 0]}]"#;
+    for moving in [ball("", WHITE, way), ball(way, WHITE, "")] {
+        assert_shares_nothing(made(&moving), "something moves while the shutter is open");
+        let mut still = moving;
+        still.set_shutter(ShutterDesc::at(0.25)).unwrap();
+        assert!(made(&still).is_ok());
+    }
+    let veil = ball("", &format!("{WHITE}, \"opacity\": 0.5"), "");
+    assert_shares_nothing(made(&veil), "surfaces of the scene are not opaque");
+    let glass = r#""type": "refractive", "refractionIndex": 1.5"#;
+    for media in [r#""absorption": [1, 1, 1]"#, r#""priority": 1"#] {
+        let made = made(&ball("", &format!("{glass}, {media}"), ""));
+        assert_shares_nothing(made, "media of the scene absorb light or have priorities");
+    }
+    for plain in [WHITE, glass] {
+        assert!(made(&ball("", plain, "")).is_ok());
     }
 }
 

@@ -194,6 +194,14 @@ fn render_blocks_are_read_with_every_key() {
         assert_eq!(render(&format!("\"integrator\": \"{name}\"")).integrator, integrator);
         assert_eq!(render(&format!("\"integrator\": {{\"type\": \"{name}\"}}")).integrator, integrator);
     }
+    for (text, reuse) in [
+        (r#"{"type": "path", "reuse": true}"#, true),
+        (r#"{"type": "path", "reuse": false}"#, false),
+        (r#"{"type": "path"}"#, false),
+        (r#""path""#, false),
+    ] {
+        assert_eq!(render(&format!("\"integrator\": {text}")), RenderDesc { reuse, ..RenderDesc::default() });
+    }
 }
 
 #[test]
@@ -1418,6 +1426,10 @@ fn a_render_block_lies_over_settings_that_stay() {
     expected.photons.radius = Some(0.5);
     assert_eq!(over, expected);
     assert_eq!(desc::apply_render("{}", "", None, &base).unwrap(), base);
+    // An integrator takes the place of another one together with its settings.
+    let shared = RenderDesc { reuse: true, ..base.clone() };
+    assert_eq!(desc::apply_render("{}", "", None, &shared).unwrap(), shared);
+    assert_eq!(desc::apply_render(r#"{"integrator": "path"}"#, "", None, &shared).unwrap(), base);
     for (path, complaint) in [
         ("groups[1].render", "suite.json:2: groups[1].render.shadowRays: 0 is out of range"),
         ("groups[2].render", "suite.json:1: groups[2].render: there is nothing to read here"),

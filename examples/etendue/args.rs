@@ -695,6 +695,7 @@ impl RenderArgs {
             }),
             filter: self.filter.unwrap_or(scene.filter),
             integrator: self.integrator.map_or(scene.integrator, |Integrator(integrator)| integrator),
+            reuse: scene.reuse,
             spectral: self.spectral.map_or(scene.spectral, |spectral| spectral == Switch::On),
             white_balance: self.white_balance.map_or(scene.white_balance, |White(white)| Some(white)),
             max_depth: self.max_depth.map_or(scene.max_depth, |depth| depth.0),

@@ -9,7 +9,7 @@ use crate::control::Parallel;
 use crate::desc::{RADII, RadiosityDesc};
 use crate::error::{Error, ErrorKind, Result};
 use crate::integrator::radiosity::Radiosity;
-use crate::integrator::{Sites, no_wavelengths};
+use crate::integrator::{Sites, no_reuse, no_wavelengths};
 use crate::render::{RenderSettings, with_workers};
 use crate::scene::Scene;
 use crate::spectrum::Rgb;
@@ -49,6 +49,9 @@ pub fn by_radiosity(
     settings.check_sensor()?;
     if settings.desc.spectral {
         no_wavelengths("a light map")?;
+    }
+    if settings.desc.reuse {
+        no_reuse("a light map has no neighbouring pixels", "false")?;
     }
     let own = &settings.desc.radiosity;
     // The value was not requested by the user, so it must not be refused as one that was.

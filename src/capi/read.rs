@@ -318,6 +318,7 @@ pub(super) fn render(it: &etd_render_options, film: [u32; 2]) -> Result<RenderDe
                 return Err(Failure::argument(message));
             }
         },
+        reuse: false,
         spectral: switch("options.spectral", it.spectral)?.unwrap_or(false),
         white_balance: (it.white_balance != [0.0; 2]).then_some(it.white_balance),
         max_depth: (it.max_depth != 0).then_some(it.max_depth),

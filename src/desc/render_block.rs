@@ -130,6 +130,16 @@ pub(super) struct Render<'a> {
     pub(super) radiosity_memory: Option<Whole>,
 }
 
+/// An integrator with its settings, in an object.
+#[derive(Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Integrator {
+    #[serde(rename = "type")]
+    pub(super) name: String,
+    /// See [`RenderDesc::reuse`](super::RenderDesc::reuse).
+    pub(super) reuse: Option<bool>,
+}
+
 /// The positions of the samples of a pixel.
 #[derive(Clone, Copy, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -216,7 +226,7 @@ mod schema {
     pub enum Integrator {
         /// Its name.
         Name(IntegratorName),
-        /// Its name, in an object.
+        /// Its name and settings.
         Block(IntegratorBlock),
     }
 
@@ -225,6 +235,8 @@ mod schema {
     pub struct IntegratorBlock {
         /// Its name.
         r#type: IntegratorName,
+        /// For `path`: whether pixels in groups of 16 share the second hits of their paths. Default false.
+        reuse: Option<bool>,
     }
 
     /// One of the names in the table of integrators.

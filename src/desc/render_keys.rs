@@ -2,8 +2,8 @@
 
 use serde_json::value::RawValue;
 
-use super::json::{self, Plain, Whole, join};
-use super::render_block::{Render, Sampler};
+use super::json::{self, Whole, join};
+use super::render_block::{Integrator, Render, Sampler};
 use super::{
     CropDesc, IntegratorDesc, MAX_SHADOW_RAYS, RenderDesc, SamplerDesc, filter, photon_keys, radiosity_keys, validate,
     white_balance,
@@ -53,7 +53,7 @@ pub(super) fn read(raw: &RawValue, path: &str, base: &RenderDesc) -> Result<Rend
         render.roulette = roulette.into();
     }
     if let Some(raw) = block.integrator {
-        render.integrator = integrator(raw, &at("integrator"))?;
+        (render.integrator, render.reuse) = integrator(raw, &at("integrator"))?;
     }
     if let Some(seed) = block.seed {
         render.seed = seed.0;
@@ -122,11 +122,10 @@ pub(super) fn shadow_rays(path: &str, value: Whole) -> Result<u32> {
     validate::whole(path, value, 1, u64::from(MAX_SHADOW_RAYS))
 }
 
-fn integrator(raw: &RawValue, path: &str) -> Result<IntegratorDesc> {
+/// Reads an integrator, and whether its pixels share hits, which they do only where the integrator says so.
+fn integrator(raw: &RawValue, path: &str) -> Result<(IntegratorDesc, bool)> {
     let names = IntegratorDesc::ALL.map(IntegratorDesc::name);
     let (name, block) = json::named(raw, path, &names)?;
-    if block {
-        json::object::<Plain>(raw, path)?;
-    }
-    Ok(IntegratorDesc::from_name(&name).unwrap_or_default())
+    let reuse = if block { json::object::<Integrator>(raw, path)?.reuse } else { None };
+    Ok((IntegratorDesc::from_name(&name).unwrap_or_default(), reuse.unwrap_or(false)))
 }

@@ -4,7 +4,7 @@ use serde_json::value::RawValue;
 
 use super::json::Whole;
 use super::numbers::unless;
-use super::render_block::{Render, Roulette, Sampler, Sharing, Solver, Source};
+use super::render_block::{Integrator, Render, Roulette, Sampler, Sharing, Solver, Source};
 use super::save::raw;
 use super::{
     CacheDesc, CacheSource, IntegratorDesc, PhotonDesc, PhotonSharing, RadiosityDesc, RadiositySolver, RenderDesc,
@@ -17,7 +17,7 @@ use crate::Result;
 pub(super) fn write(render: &RenderDesc) -> Result<Box<RawValue>> {
     let default = RenderDesc::default();
     let filter = filter::write(render.filter)?;
-    let integrator = raw(&IntegratorDesc::name(render.integrator))?;
+    let integrator = integrator(render)?;
     let kernel = render.photons.kernel.map(photon_keys::write_kernel).transpose()?;
     let white = white_balance::write(render.white_balance)?;
     let block = Render {
@@ -45,6 +45,15 @@ pub(super) fn write(render: &RenderDesc) -> Result<Box<RawValue>> {
     let block = with_photons(block, &render.photons);
     let block = with_cache(block, &render.cache);
     raw(&with_radiosity(block, &render.radiosity))
+}
+
+/// Writes an integrator: its name, or an object where it has settings that differ from their defaults.
+fn integrator(render: &RenderDesc) -> Result<Box<RawValue>> {
+    let name = IntegratorDesc::name(render.integrator);
+    match flag(render.reuse, RenderDesc::default().reuse) {
+        None => raw(&name),
+        reuse => raw(&Integrator { name: name.to_owned(), reuse }),
+    }
 }
 
 fn whole(value: u32) -> Whole {

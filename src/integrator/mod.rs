@@ -22,7 +22,7 @@ pub use direct::Direct;
 pub use irradiance::{Irradiance, Piece, Sites};
 pub use path::Path;
 pub use probes::{Probe, ProbeQuantity, Probes};
-pub use support::{check_still, check_support, check_wavelengths, no_wavelengths};
+pub use support::{check_reuse, check_still, check_support, check_wavelengths, no_reuse, no_wavelengths};
 pub use tracer::{Context, FirstHit, SceneTracer, Tracer};
 pub use wave::{Sample, Wave};
 pub use whitted::Whitted;

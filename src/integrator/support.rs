@@ -70,6 +70,47 @@ pub fn no_wavelengths(method: &str) -> Result<()> {
     Err(Error::new(ErrorKind::Unsupported, message))
 }
 
+/// Refuses to share hits among pixels for an integrator, settings or a scene with which that cannot be done: for each pixel of a
+/// group, the hits of the others count as its own, with the density that its own paths would have given them.
+///
+/// # Errors
+/// [`ErrorKind::Unsupported`], whose message names what the hits are not shared with.
+pub fn check_reuse(scene: &Scene, desc: &RenderDesc) -> Result<()> {
+    // `auto` is refused too: whether a picture can be rendered must not depend on what is chosen for the scene.
+    if desc.integrator != IntegratorDesc::Path {
+        let why = format!("{} shares no hits among pixels", desc.integrator.name());
+        return no_reuse(&why, "false, or the integrator path");
+    }
+    if desc.spectral {
+        return no_reuse(
+            "render.spectral gives each path wavelengths of its own",
+            "false, or a render in three channels",
+        );
+    }
+    if scene.has_motion() {
+        return no_reuse("something moves while the shutter is open", "false, or a scene at rest");
+    }
+    // Whether a ray passes such a surface is a random choice of the ray, which the ways of several pixels to one hit do not share.
+    if !scene.is_opaque() {
+        return no_reuse("surfaces of the scene are not opaque", "false, or a scene whose surfaces are");
+    }
+    if scene.has_media() {
+        let why =
+            "media of the scene absorb light or have priorities, which each path follows from its own camera ray on";
+        return no_reuse(why, "false, or a scene without such media");
+    }
+    Ok(())
+}
+
+/// Says why hits are not shared among pixels, and what would be expected.
+///
+/// # Errors
+/// [`ErrorKind::Unsupported`], always.
+pub fn no_reuse(why: &str, expected: &str) -> Result<()> {
+    let message = format!("render.integrator.reuse is true, and {why}; expected {expected}");
+    Err(Error::new(ErrorKind::Unsupported, message))
+}
+
 /// Refuses a scene that moves, for a method that sees the scene at one moment only.
 ///
 /// # Errors

@@ -39,7 +39,7 @@ use crate::film::{ErrorEstimate, ErrorMeasure, Film, FilmOptions, Image, Placeme
 use crate::integrator::photon::{Choice, choose};
 use crate::integrator::radiosity::{Radiosity, RadiosityPicture};
 use crate::integrator::{Irradiance, Path, Probe, ProbeQuantity, Probes, Sites};
-use crate::integrator::{check_support, check_wavelengths, no_wavelengths};
+use crate::integrator::{check_reuse, check_support, check_wavelengths, no_reuse, no_wavelengths};
 use crate::sampling::Filter;
 use crate::scene::Scene;
 use crate::spectrum::{Sensor, white_balance};
@@ -213,6 +213,18 @@ impl Render {
                 Some(method) => no_wavelengths(method.place_name())?,
             }
         }
+        if desc.reuse {
+            match &method {
+                None => check_reuse(scene, desc)?,
+                Some(method) => {
+                    no_reuse(&format!("{} has no neighbouring pixels", method.place_name()), "false")?;
+                }
+            }
+            if settings.adaptive == Some(true) {
+                let why = "adaptive sampling gives neighbouring pixels different numbers of samples";
+                no_reuse(why, "false, or the same number of samples in all pixels")?;
+            }
+        }
         match method {
             None => check_support(scene, integrator)?,
             Some(_) if scene.has_moving_world() => {
@@ -244,6 +256,7 @@ impl Render {
             (false, _) => Ok(false),
             (true, _) if pass_samples.is_some() => Err("the photon maps of a pass are for all pixels"),
             (true, _) if pixels < MIN_PIXELS => Err("the image is too small for a choice among pixels"),
+            (true, _) if desc.reuse => Err("neighbouring pixels share the hits of each sample"),
             (true, SamplerDesc::Sobol | SamplerDesc::Random) => Ok(true),
             (true, _) => Err("the sampler's pattern is planned for its number of samples"),
         };

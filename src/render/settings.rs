@@ -30,7 +30,7 @@ pub struct RenderSettings {
     /// Whether pixels with larger errors get more samples; `samples` of `desc` is then the mean over pixels. `None` means
     /// adaptive sampling where there is a target error. All samplers but `Sobol` and `Random`, and photon maps that are
     /// built anew for each pass, need the same number of samples in each pixel. A render with them is not adaptive, and a
-    /// note says so.
+    /// note says so; nor is one whose pixels share hits (`reuse` of `desc`), with which `Some(true)` is refused.
     pub adaptive: Option<bool>,
     /// The token that stops the render, from any thread.
     pub cancel: Cancel,

@@ -108,3 +108,18 @@ fn degenerate_triangles_are_left_out() {
     assert_eq!(atlas.primitives(), [0, 1, 2, 4, 5, 6, 7, 8, 9, 10, 11, 12]);
     assert_eq!(atlas.charts().len(), 6);
 }
+
+#[test]
+fn hits_that_pixels_share() {
+    let scene = build(&quad_scene());
+    let mut shared = settings(1, None);
+    shared.desc.reuse = true;
+    let sites = atlas(&scene, 16);
+    let by_paths = Bake::new(&scene, sites.sites(), shared.clone(), true).err().expect("a light map");
+    let mut go_on = |_: f64| ControlFlow::Continue(());
+    let solved = by_radiosity(&scene, sites.sites(), &shared, None, true, &mut go_on).expect_err("a light map");
+    for error in [by_paths, solved] {
+        assert_eq!(error.kind(), ErrorKind::Unsupported, "{error}");
+        assert!(error.message().contains("integrator.reuse is true, and a light map has no"), "{error}");
+    }
+}

@@ -576,6 +576,12 @@ fn renders(l: &mut List) {
             "\"integrator\": {\"type\": \"path\",\n@\"depth\": 3}",
             "integrator.depth: unknown key",
         ),
+        (
+            "reuse as a number",
+            "\"integrator\": {\"type\": \"path\",\n@\"reuse\": 1}",
+            "integrator.reuse: invalid type: integer `1`, expected a boolean",
+        ),
+        ("reuse beside the integrator", "\"integrator\": \"path\",\n@\"reuse\": true", "reuse: unknown key"),
         ("seed negative", "@\"seed\": -1", "seed: invalid value: integer `-1`"),
         (
             "no photons",
