@@ -390,6 +390,45 @@ fn statistics_and_the_images_header_say_what_it_came_to() {
 }
 
 #[test]
+fn pixels_share_hits_where_that_is_asked_for() {
+    let folder = folder();
+    let box_of_paper = fs::read_to_string(scene("cornell.json")).unwrap();
+    let mut described: serde_json::Value = serde_json::from_str(&box_of_paper).unwrap();
+    described["render"]["integrator"] = serde_json::json!({"type": "path", "reuse": true});
+    fs::write(folder.path().join("shared.json"), described.to_string()).unwrap();
+    let render = |scene: &str, more: &[&str]| etendue(folder.path(), small_render(scene, more));
+    let shares = |scene: &str, more: &[&str]| {
+        render(scene, &[more, &["-q", "-o", "x.pfm", "--stats", "stats.json"]].concat()).assert_done();
+        let text = fs::read_to_string(folder.path().join("stats.json")).unwrap();
+        let stats: serde_json::Value = serde_json::from_str(&text).unwrap();
+        stats["settings"]["reuse"].as_bool().unwrap()
+    };
+    let plain = scene("cornell.json");
+    assert!(!shares(&plain, &[]) && !shares(&plain, &["--reuse=off"]));
+    assert!(shares(&plain, &["--reuse"]) && shares(&plain, &["--reuse=on"]));
+    assert!(shares("shared.json", &[]) && !shares("shared.json", &["--reuse=off"]));
+    // Another integrator takes the place of the scene's together with its settings.
+    assert!(!shares("shared.json", &["--integrator", "direct"]) && !shares("shared.json", &["--integrator", "path"]));
+    assert!(shares("shared.json", &["--integrator", "path", "--reuse"]));
+
+    let refused = |more: &[&str], why: &str| {
+        let run = render("shared.json", &[more, &["-o", "y.pfm"]].concat());
+        run.assert_refused(&format!("render.integrator.reuse is true, and {why}"));
+    };
+    for integrator in ["whitted", "auto", "sppm", "radiosity"] {
+        let why = format!("{integrator} shares no hits among pixels; expected false, or the integrator path");
+        refused(&["--integrator", integrator, "--reuse"], &why);
+    }
+    refused(&["--spectral"], "render.spectral gives each path wavelengths of its own");
+    refused(&["--adaptive"], "adaptive sampling gives neighbouring pixels different numbers of samples");
+    render("shared.json", &["--reuse=yes", "-o", "y.pfm"]).assert_refused_by_grammar("--reuse[=<on|off>]");
+    render(&scene("motion-blur.json"), &["--reuse", "-o", "y.pfm"]).assert_refused("something moves while");
+    let bake = etendue(folder.path(), ["bake", "shared.json", "-o", "light", "--spp", "1", "--resolution", "64"]);
+    bake.assert_refused("render.integrator.reuse is true, and a light map has no neighbouring pixels");
+    assert!(!folder.path().join("y.pfm").exists());
+}
+
+#[test]
 fn spectral_layers_are_channels_of_an_exr() {
     let folder = folder();
     let scene = scene("cornell.json");

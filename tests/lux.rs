@@ -223,6 +223,9 @@ fn what_cannot_be_done_is_refused_before_the_work() {
     fs::write(folder.path().join("bad.json"), GRIDS.replace("[2, 1]", "[2, 0]")).unwrap();
     fs::write(folder.path().join("views.json"), GRIDS.replace("\"plane\", \"origin\"", "\"points\", \"origin\""))
         .unwrap();
+    let shared =
+        LAMP.replace("\"camera\"", "\"render\": {\"integrator\": {\"type\": \"path\", \"reuse\": true}}, \"camera\"");
+    fs::write(folder.path().join("shared.json"), shared).unwrap();
     let plane = ["--plane", "0,0,0", "1,0,0", "0,0,-1", "2x2"];
     let with = |more: &[&'static str]| [&["lamp.json"], &plane[..], more].concat();
     for (args, words) in [
@@ -243,6 +246,10 @@ fn what_cannot_be_done_is_refused_before_the_work() {
         (with(&["--daylight"]), "there is no environment or sky"),
         (with(&["--max-depth", "1", "--method", "radiosity"]), "--max-depth: a radiosity solution has no paths"),
         (with(&["--error", "0"]), "expected an error above 0"),
+        (
+            vec!["shared.json", "--grid", "grids.json"],
+            "render.integrator.reuse is true, and light at given points has no neighbouring pixels",
+        ),
         (with(&["--scale", "-3"]), "expected a number above 0"),
         (vec!["lamp.json", "--grid", "grids.json", "-o", "grids.json"], "is read and cannot be written"),
     ] {
@@ -251,5 +258,5 @@ fn what_cannot_be_done_is_refused_before_the_work() {
         assert!(run.stderr.contains(words), "'{words}' is not in: {}", run.stderr);
     }
     let left: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
-    assert_eq!(left.len(), 5, "{left:?}");
+    assert_eq!(left.len(), 6, "{left:?}");
 }

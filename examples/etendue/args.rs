@@ -110,6 +110,11 @@ pub struct RenderArgs {
     /// Light transport, in place of the scene's.
     #[arg(long, value_enum)]
     pub integrator: Option<Integrator>,
+    /// Pixels in groups of 16 share the second hits of their paths; alone it means on. Only with the integrator path. In place of the
+    /// choice of the scene, or off with --integrator.
+    #[arg(long, value_name = "on|off", value_enum, num_args = 0..=1, require_equals = true)]
+    #[arg(default_missing_value = "on", hide_possible_values = true)]
+    pub reuse: Option<Switch>,
     /// Paths carry wavelengths instead of three channels; alone it means on. In place of the scene's choice.
     #[arg(long, value_name = "on|off", value_enum, num_args = 0..=1, require_equals = true)]
     #[arg(default_missing_value = "on", hide_possible_values = true)]
@@ -695,7 +700,8 @@ impl RenderArgs {
             }),
             filter: self.filter.unwrap_or(scene.filter),
             integrator: self.integrator.map_or(scene.integrator, |Integrator(integrator)| integrator),
-            reuse: scene.reuse,
+            // Another integrator takes the place of the scene's together with its settings, as in a file.
+            reuse: self.reuse.map_or(scene.reuse && self.integrator.is_none(), |reuse| reuse == Switch::On),
             spectral: self.spectral.map_or(scene.spectral, |spectral| spectral == Switch::On),
             white_balance: self.white_balance.map_or(scene.white_balance, |White(white)| Some(white)),
             max_depth: self.max_depth.map_or(scene.max_depth, |depth| depth.0),

@@ -49,6 +49,7 @@ struct Settings {
     filter: String,
     /// The requested number; null where only time and error end the render.
     spp: Option<u32>,
+    reuse: bool,
     spectral: bool,
     white_balance: Option<[f64; 2]>,
     max_depth: Option<u32>,
@@ -103,6 +104,7 @@ impl Stats {
                 sampler: format!("{:?}", desc.sampler).to_lowercase(),
                 filter: format!("{:?}", desc.filter),
                 spp: (desc.samples < MOST_SAMPLES).then_some(desc.samples),
+                reuse: desc.reuse,
                 spectral: desc.spectral,
                 white_balance: desc.white_balance,
                 max_depth: desc.max_depth,
