@@ -81,7 +81,7 @@
      NULL, NULL, NULL, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, ETD_PHOTON_KERNEL_DEFAULT, 0, ETD_PHOTON_SHARING_POWER, \
      ETD_SWITCH_DEFAULT, ETD_SWITCH_DEFAULT, 0, 0, 0, ETD_CACHE_SOURCE_PATHS, ETD_SWITCH_DEFAULT, ETD_ERROR_RELMSE, ETD_SWITCH_DEFAULT, \
      0, 0, 0, 0, ETD_RADIOSITY_SOLVER_GATHER, ETD_SWITCH_DEFAULT, ETD_SWITCH_DEFAULT, 0, \
-     ETD_ROULETTE_OWN, 0, 0, 0, 0, {0, 0}, {0, 0}}
+     ETD_ROULETTE_OWN, 0, 0, 0, 0, {0, 0}, {0, 0}, ETD_SWITCH_DEFAULT, 0}
 #define ETD_PROGRESS_INIT {sizeof(etd_progress), 0, 0, 0, 0, 0, ETD_PHASE_BUILD, 0}
 #define ETD_SUMMARY_INIT {sizeof(etd_summary), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, ETD_ENDED_SAMPLES, 0}
 #define ETD_FILM_OPTIONS_INIT {sizeof(etd_film_options), 0, 0, 0, 0}
@@ -2153,6 +2153,17 @@ typedef struct etd_render_options {
      * apply. 0, 0: the colours that the standard observer sees.
      */
     double sensor_bands[2];
+    /**
+     * An `etd_switch`: whether pixels in groups of 16 share the second hits of their paths, by `ETD_INTEGRATOR_PATH` alone. The picture
+     * stays unbiased, but the errors of neighbouring pixels, within squares of 8 x 8, are correlated. It is refused with `spectral`, with
+     * `adaptive` on, for light maps and light at given points, and for scenes in which something moves, is not opaque, or has media
+     * that absorb or have priorities. Off by default.
+     */
+    etd_switch reuse;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
 } etd_render_options;
 
 /**

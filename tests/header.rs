@@ -103,7 +103,7 @@ const INITIALISERS: &str = r"/** Stands for no material, no surface. */
      NULL, NULL, NULL, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, ETD_PHOTON_KERNEL_DEFAULT, 0, ETD_PHOTON_SHARING_POWER, \
      ETD_SWITCH_DEFAULT, ETD_SWITCH_DEFAULT, 0, 0, 0, ETD_CACHE_SOURCE_PATHS, ETD_SWITCH_DEFAULT, ETD_ERROR_RELMSE, ETD_SWITCH_DEFAULT, \
      0, 0, 0, 0, ETD_RADIOSITY_SOLVER_GATHER, ETD_SWITCH_DEFAULT, ETD_SWITCH_DEFAULT, 0, \
-     ETD_ROULETTE_OWN, 0, 0, 0, 0, {0, 0}, {0, 0}}
+     ETD_ROULETTE_OWN, 0, 0, 0, 0, {0, 0}, {0, 0}, ETD_SWITCH_DEFAULT, 0}
 #define ETD_PROGRESS_INIT {sizeof(etd_progress), 0, 0, 0, 0, 0, ETD_PHASE_BUILD, 0}
 #define ETD_SUMMARY_INIT {sizeof(etd_summary), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, ETD_ENDED_SAMPLES, 0}
 #define ETD_FILM_OPTIONS_INIT {sizeof(etd_film_options), 0, 0, 0, 0}

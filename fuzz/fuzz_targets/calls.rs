@@ -701,6 +701,7 @@ impl World {
                         samples: u32::from(samples % 4),
                         max_depth: u32::from(depth % 16) + 1,
                         spectral: u32::from(sampler >> 6),
+                        reuse: u32::from(depth >> 4) % 4,
                         sensor_bands: if depth >> 6 == 3 { parameters.map(f64::from) } else { [0.0; 2] },
                         ..quick()
                     };

@@ -379,6 +379,8 @@ static void structures(void) {
     FIELD(etd_render_options, crop_top);
     FIELD(etd_render_options, white_balance);
     FIELD(etd_render_options, sensor_bands);
+    FIELD(etd_render_options, reuse);
+    FIELD(etd_render_options, reserved);
     STRUCT(etd_camera);
     FIELD(etd_camera, struct_size);
     FIELD(etd_camera, projection);

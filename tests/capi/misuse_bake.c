@@ -232,12 +232,11 @@ static void pass_targets(void) {
     SPOIL(standard_error, odd.right);
 }
 
-static void refuse_options(etd_render_options options, const char *what) {
+static void refuse_options(etd_render_options options, etd_status expected, const char *what) {
     etd_bake_target target = whole();
     forget();
-    check_status(etd_atlas_bake(atlas, &options, &target, NULL), ETD_INVALID_ARGUMENT, __FILE__, __LINE__, what);
-    check_status(etd_scene_bake_vertices(scene, 0, &options, &target, NULL), ETD_INVALID_ARGUMENT, __FILE__, __LINE__,
-                 what);
+    check_status(etd_atlas_bake(atlas, &options, &target, NULL), expected, __FILE__, __LINE__, what);
+    check_status(etd_scene_bake_vertices(scene, 0, &options, &target, NULL), expected, __FILE__, __LINE__, what);
     check_that(is_untouched(), __FILE__, __LINE__, what);
 }
 
@@ -255,19 +254,23 @@ static void pass_bakes(void) {
     size_t needed = 7;
     int calls = 0;
     wrong.samples = 0;
-    refuse_options(wrong, "no samples and no limit");
+    refuse_options(wrong, ETD_INVALID_ARGUMENT, "no samples and no limit");
     wrong = options;
     wrong.time_limit = NAN;
-    refuse_options(wrong, "time_limit NaN");
+    refuse_options(wrong, ETD_INVALID_ARGUMENT, "time_limit NaN");
     wrong = options;
     wrong.shadow_rays = 1025;
-    refuse_options(wrong, "shadow_rays 1025");
+    refuse_options(wrong, ETD_INVALID_ARGUMENT, "shadow_rays 1025");
     wrong = options;
     wrong.integrator = 100;
-    refuse_options(wrong, "integrator 100");
+    refuse_options(wrong, ETD_INVALID_ARGUMENT, "integrator 100");
     wrong = options;
     wrong.struct_size = 3;
-    refuse_options(wrong, "struct_size 3");
+    refuse_options(wrong, ETD_INVALID_ARGUMENT, "struct_size 3");
+    wrong = options;
+    wrong.reuse = ETD_SWITCH_ON;
+    refuse_options(wrong, ETD_UNSUPPORTED, "hits that pixels share");
+    CHECK(strstr(etd_last_error_message(), "integrator.reuse is true, and a light map") != NULL);
 
     /* Capacities that are too small, and how much is needed. */
     CHECK_OK(etd_atlas_get_info(atlas, &info));

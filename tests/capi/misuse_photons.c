@@ -178,6 +178,46 @@ static void pass_whole_numbers(void) {
     }
 }
 
+/* Hits that pixels share: what shares none refuses that by name. */
+static void pass_shared_hits(void) {
+    static const char text[] = "{\"etendue\": 1, " JSON_CAMERA ", \"render\": {\"integrator\": {\"type\": \"path\", \"reuse\": true}}}";
+    etd_scene *read = NULL;
+    etd_render_options options = short_render(1), own = ETD_RENDER_OPTIONS_INIT;
+    etd_integrator integrator;
+    CHECK(own.reuse == ETD_SWITCH_DEFAULT);
+    CHECK_OK(etd_scene_get_render_options(scene, &own));
+    CHECK(own.reuse == ETD_SWITCH_OFF && own.reserved == 0);
+    CHECK_OK(etd_scene_from_json(device, text, sizeof text - 1, NULL, &read));
+    CHECK_OK(etd_scene_get_render_options(read, &own));
+    CHECK(own.reuse == ETD_SWITCH_ON && own.reserved == 0);
+    etd_scene_release(read);
+    options.reuse = 3;
+    CHECK_STATUS(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT);
+    CHECK(strstr(etd_last_error_message(), "options.reuse") != NULL);
+    options.reuse = ETD_SWITCH_ON;
+    CHECK_OK(etd_render(scene, film, &options));
+    options.reserved = 1;
+    CHECK_STATUS(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT);
+    CHECK(strstr(etd_last_error_message(), "options.reserved is not 0") != NULL);
+    options.reserved = 0;
+    for (integrator = ETD_INTEGRATOR_WHITTED; integrator <= ETD_INTEGRATOR_RADIOSITY; ++integrator) {
+        options.integrator = integrator;
+        CHECK_STATUS(etd_render(scene, film, &options), ETD_UNSUPPORTED);
+        CHECK(strstr(etd_last_error_message(), "integrator.reuse is true, and ") != NULL);
+        CHECK(strstr(etd_last_error_message(), " shares no hits among pixels") != NULL);
+    }
+    options.integrator = ETD_INTEGRATOR_PATH;
+    options.spectral = ETD_SWITCH_ON;
+    CHECK_STATUS(etd_render(scene, film, &options), ETD_UNSUPPORTED);
+    CHECK(strstr(etd_last_error_message(), "integrator.reuse is true, and render.spectral") != NULL);
+    options.spectral = ETD_SWITCH_DEFAULT;
+    options.adaptive = ETD_SWITCH_ON;
+    CHECK_STATUS(etd_render(scene, film, &options), ETD_UNSUPPORTED);
+    CHECK(strstr(etd_last_error_message(), "integrator.reuse is true, and adaptive sampling") != NULL);
+    options.adaptive = ETD_SWITCH_DEFAULT;
+    CHECK_OK(etd_render(scene, film, &options));
+}
+
 /* No numbers, and numbers out of range. */
 static void pass_other_numbers(void) {
     static const struct {
@@ -312,6 +352,7 @@ void misuse_photons(void) {
     pass_names();
     pass_whole_numbers();
     pass_other_numbers();
+    pass_shared_hits();
     read_settings_of_a_scene();
     pass_parts_of_pictures();
     pass_options_of_the_first_version();

@@ -284,6 +284,13 @@ pub struct etd_render_options {
     /// channels of the film are then the mean spectral radiance over each band, W m^-2 sr^-1 nm^-1, and `white_balance` does not
     /// apply. 0, 0: the colours that the standard observer sees.
     pub sensor_bands: [f64; 2],
+    /// An `etd_switch`: whether pixels in groups of 16 share the second hits of their paths, by `ETD_INTEGRATOR_PATH` alone. The picture
+    /// stays unbiased, but the errors of neighbouring pixels, within squares of 8 x 8, are correlated. It is refused with `spectral`, with
+    /// `adaptive` on, for light maps and light at given points, and for scenes in which something moves, is not opaque, or has media
+    /// that absorb or have priorities. Off by default.
+    pub reuse: EtdSwitch,
+    /// Must be 0.
+    pub reserved: u32,
 }
 
 /// A phase of work.
