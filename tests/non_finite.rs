@@ -5,7 +5,7 @@ mod common;
 use std::ops::ControlFlow;
 
 use common::scenes::{Job, box_inside, camera, point_light, scene};
-use etendue::desc::{BsdfDesc, IntegratorDesc, SceneDesc, ShapeDesc};
+use etendue::desc::{BsdfDesc, IntegratorDesc, RenderDesc, SceneDesc, ShapeDesc};
 use etendue::math::DVec3;
 use etendue::render::{Render, RenderSettings, Summary};
 use etendue::scene::{BuildOptions, Scene};
@@ -24,9 +24,10 @@ fn room(quad: BsdfDesc) -> SceneDesc {
     desc
 }
 
-fn run(desc: &SceneDesc, integrator: IntegratorDesc, threads: usize) -> (Render, Summary) {
+fn run(desc: &SceneDesc, (integrator, reuse): (IntegratorDesc, bool), threads: usize) -> (Render, Summary) {
     let scene = Scene::build(desc, &BuildOptions::default()).unwrap();
     let desc = Job { resolution: [40, 24], samples: 64, integrator, ..Job::default() }.desc();
+    let desc = RenderDesc { reuse, ..desc };
     let mut render = Render::new(&scene, RenderSettings { desc, threads, ..RenderSettings::default() }).unwrap();
     let summary = render.run(&mut |_| ControlFlow::Continue(())).unwrap();
     (render, summary)
@@ -40,9 +41,13 @@ fn what_is_not_finite_is_named_and_never_written() {
     let mirror = room(BsdfDesc::Mirror { reflectance: Rgb::ONE });
     let mut lit = diffuse.clone();
     lit.lights.push(point_light(DVec3::ZERO, 3e38));
-    for (desc, integrator) in
-        [(&diffuse, IntegratorDesc::Path), (&mirror, IntegratorDesc::Whitted), (&lit, IntegratorDesc::Direct)]
-    {
+    for (desc, integrator, reuse) in [
+        (&diffuse, IntegratorDesc::Path, false),
+        (&diffuse, IntegratorDesc::Path, true),
+        (&mirror, IntegratorDesc::Whitted, false),
+        (&lit, IntegratorDesc::Direct, false),
+    ] {
+        let integrator = (integrator, reuse);
         let (render, summary) = run(desc, integrator, 2);
         println!("{integrator:?}: {} samples, {:?}", summary.non_finite, summary.notes);
         assert!(render.image().rgb.iter().all(|value| value.is_finite()));

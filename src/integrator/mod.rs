@@ -3,6 +3,7 @@
 //! An [`Integrator`] is compiled once for each kind of sampler and tracer, so that rays need no dynamic dispatch.
 //! Integrators know no film, no file and no thread.
 
+mod aim;
 mod direct;
 mod irradiance;
 pub mod irradiance_cache;
@@ -11,6 +12,7 @@ mod path;
 pub mod photon;
 mod probes;
 pub mod radiosity;
+pub mod reuse;
 mod support;
 mod tracer;
 mod vertex;
@@ -75,6 +77,23 @@ pub trait Transport<C: Spectrum>: Sync {
             let mut context = Context { scene, sampler, tracer, wavelengths: *wavelengths };
             *radiance = self.li(*ray, &mut context, &mut |hit| *first = Some(hit));
         }
+    }
+
+    /// Whether the samples of neighbouring pixels are estimated together, so that each is a part of a group.
+    const IN_GROUPS: bool = false;
+
+    /// Estimates the radiance of the samples of groups. `ends`: index after the last sample of each group. Integrators whose samples
+    /// are independent of each other need not say how.
+    #[inline(always)]
+    fn li_of_groups<S: Sampler, T: Tracer>(
+        &self,
+        scene: &Scene,
+        samples: &mut [Sample<S, C>],
+        _ends: &[usize],
+        _groups: &mut reuse::Groups<C>,
+        tracer: &mut T,
+    ) {
+        self.li_of_many(scene, samples, &mut Wave::default(), tracer);
     }
 
     /// The moment of the shutter interval ([`Ray::time`]) that all samples see; `None` where each sees a moment of its own.

@@ -28,7 +28,7 @@ pub struct Path {
 }
 
 impl Path {
-    fn limits(&self) -> Limits {
+    pub(super) fn limits(&self) -> Limits {
         Limits { max_depth: self.max_depth.unwrap_or(u32::MAX), ..Limits::new(self.shadow_rays) }
     }
 }

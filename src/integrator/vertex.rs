@@ -33,6 +33,8 @@ pub(super) struct Vertex<'v, C: Spectrum = Rgb> {
     pub wo: Vec3,
     /// Direction back along the path, scene frame.
     wo_scene: Vec3,
+    /// Whether a normal that was interpolated or came from a texture is replaced because it faces away.
+    turned: bool,
 }
 
 /// A scattered ray that leaves a vertex.
@@ -46,6 +48,35 @@ pub(super) struct Bounce<C: Spectrum = Rgb> {
     pub eta: f32,
     /// Whether other wavelengths would have another direction.
     pub disperses: bool,
+    /// Probability with which the path goes on after the bounce, by which its throughput was divided.
+    pub survival: f32,
+}
+
+/// A sample of the light that arrives at a vertex from an emitter.
+pub(super) struct LightSample<C: Spectrum> {
+    /// From the vertex to the emitter.
+    pub shadow: Ray,
+    /// The direction that the light comes from, local frame.
+    pub wi: Vec3,
+    /// The scattering function back along the path (sr^-1).
+    pub f: C,
+    /// Radiance of the emitter.
+    pub radiance: C,
+    /// Density of the sample times the number of samples (sr^-1).
+    pub pdf: f32,
+    /// Density of the same direction as a Bsdf sample (sr^-1).
+    pub bsdf_pdf: f32,
+    /// Whether no Bsdf sample finds the light.
+    pub alone: bool,
+}
+
+impl<C: Spectrum> LightSample<C> {
+    /// |cos| over the density, times the weight of the sample against a Bsdf sample by the power heuristic (Veach 1997, Sec. 9.2.4).
+    #[inline(always)]
+    pub fn scale(&self) -> f32 {
+        let weight = if self.alone { 1.0 } else { power_heuristic(self.pdf, self.bsdf_pdf) };
+        self.wi.z.abs() * weight / self.pdf
+    }
 }
 
 /// The receiver that a ray leaves and the density [sr^-1] of the ray's direction; `None` where a light sample could not have
@@ -106,8 +137,8 @@ fn emission<C: Spectrum>(
     }
 }
 
-/// The shading normal, the Bsdf and its lit lobes at a hit where the scene has no Bsdf that serves as it is. `ns` is the normal
-/// that the shape has there. The arguments are values, since a reference to them would keep them in memory at every vertex.
+/// The shading normal, whether that of a texture was put aside because it faces away, the Bsdf and its lit lobes at a hit where the
+/// scene has no Bsdf that serves as it is. `ns` is the normal that the shape has there. The arguments are values, since a reference to them would keep them in memory at every vertex.
 #[inline(never)]
 #[expect(clippy::too_many_arguments, reason = "they are values that a vertex has in registers")]
 fn asked<'v, C: Spectrum>(
@@ -119,14 +150,14 @@ fn asked<'v, C: Spectrum>(
     wavelengths: C::Wavelengths,
     media: Option<PathMedia>,
     slot: &'v mut Option<Bsdf<C>>,
-) -> (Vec3, &'v Bsdf<C>, Lobes) {
+) -> (Vec3, bool, &'v Bsdf<C>, Lobes) {
     let material = scene.material(index);
     let detail_of = |ns: Vec3, with_tangents| scene.detail_at(hit, [ng, ns, p, wo], time, cone, with_tangents);
-    if let Some(own) = material.normal(|with_tangents| detail_of(ns, with_tangents))
+    let mut turned = false;
+    if let Some(own) = material.normal(|with_tangents| detail_of(ns, with_tangents)) {
         // As with interpolated normals, one that faces away from the viewer does not count.
-        && own.dot(wo) * ng.dot(wo) > 0.0
-    {
-        ns = own;
+        turned = own.dot(wo) * ng.dot(wo) <= 0.0;
+        ns = if turned { ns } else { own };
     }
     let detail = |with_tangents| detail_of(ns, with_tangents);
     let (bsdf, lobes) = match media {
@@ -137,7 +168,7 @@ fn asked<'v, C: Spectrum>(
         }
         _ => material.at::<C>(detail, &wavelengths, slot),
     };
-    (ns, bsdf, lobes)
+    (ns, turned, bsdf, lobes)
 }
 
 impl<'v, C: Spectrum> Vertex<'v, C> {
@@ -182,7 +213,8 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         let SurfaceInteraction { point, ng, mut ns, surface, material, emitter } = scene.interaction(ray, hit);
         let wo_scene = -ray.direction;
         // An interpolated normal may face away from a viewer who does see the face; the face's own normal is used then.
-        if ns.dot(wo_scene) * ng.dot(wo_scene) <= 0.0 {
+        let mut turned = ns.dot(wo_scene) * ng.dot(wo_scene) <= 0.0;
+        if turned {
             ns = ng;
         }
         let shaded = scene.material(material);
@@ -192,8 +224,9 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
             _ => {
                 let HitPoint { p, time, cone, .. } = point;
                 let vectors = [ng, ns, p, wo_scene];
-                let (own, bsdf, lobes) = asked(scene, hit, material, vectors, (time, cone), wavelengths, media, slot);
-                ns = own;
+                let (own, not_own, bsdf, lobes) =
+                    asked(scene, hit, material, vectors, (time, cone), wavelengths, media, slot);
+                (ns, turned) = (own, turned | not_own);
                 (bsdf, lobes)
             }
         };
@@ -212,6 +245,7 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
             frame,
             wo,
             wo_scene,
+            turned,
             surface,
         }
     }
@@ -234,6 +268,7 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
             frame: Frame::from_normal(surface.ns),
             wo: Vec3::new(0.0, 0.0, side),
             wo_scene: side * surface.ns,
+            turned: false,
             surface,
         }
     }
@@ -245,14 +280,26 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         'v: 'b,
     {
         let lobes = bsdf.lit_lobes();
-        let Self { surface, hit, survival, mode, wavelengths, alone, media, frame, wo, wo_scene, .. } = *self;
-        Vertex { surface, bsdf, lobes, hit, survival, mode, wavelengths, alone, media, frame, wo, wo_scene }
+        let Self { surface, hit, survival, mode, wavelengths, alone, media, frame, wo, wo_scene, turned, .. } = *self;
+        Vertex { surface, bsdf, lobes, hit, survival, mode, wavelengths, alone, media, frame, wo, wo_scene, turned }
     }
 
     /// Direction back along the path, scene frame.
     #[inline]
     pub fn wo_scene(&self) -> Vec3 {
         self.wo_scene
+    }
+
+    /// The vertex for light from other directions, once its path has gone on.
+    #[inline]
+    pub fn kept(&self) -> (HitPoint, Vec3, Frame, Vec3) {
+        (self.surface.point, self.facing(), self.frame, self.wo)
+    }
+
+    /// Whether another viewer on the same side of the face would see the surface along the same shading normal.
+    #[inline]
+    pub fn has_own_normal(&self) -> bool {
+        !self.turned
     }
 
     /// Transforms a direction from the scene frame to the local frame.
@@ -333,6 +380,14 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         }
     }
 
+    /// Density (sr^-1) with which a light sample at `receiver` would have chosen the direction to the point of this surface, which emits.
+    #[inline]
+    pub fn light_pdf(&self, scene: &Scene, receiver: Receiver) -> f32 {
+        let SurfaceInteraction { emitter, ng, point: HitPoint { p, time, .. }, .. } = self.surface;
+        let side = emitter.and_then(|emitter| scene.emitters().on_side(emitter, ng, self.wo_scene));
+        side.map_or(0.0, |emitter| scene.emitters().pdf_at(emitter, receiver, p, time))
+    }
+
     /// Adds the direct light from emitters that is scattered back along the path, estimated by this number of light samples,
     /// to `radiance`, one sample after another.
     ///
@@ -375,6 +430,21 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         light_samples: u32,
         only_light_samples: bool,
     ) -> Option<(Ray, C)> {
+        let sample = self.sample_light(scene, u, light_samples, only_light_samples, false)?;
+        Some((sample.shadow, sample.f * sample.radiance * sample.scale()))
+    }
+
+    /// [`Self::light_sample`] with the scattering function apart. `even_unscattered`: also where nothing of the light is scattered back
+    /// along the path.
+    #[inline(always)]
+    pub fn sample_light(
+        &self,
+        scene: &Scene,
+        u: [f32; 4],
+        light_samples: u32,
+        only_light_samples: bool,
+        even_unscattered: bool,
+    ) -> Option<LightSample<C>> {
         let point = &self.surface.point;
         let light = scene.emitters().sample_for(self.receiver(), point.time, u, !only_light_samples)?;
         if self.surface.emitter.is_some() && self.holds(light.target) {
@@ -385,21 +455,14 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
             return None;
         }
         let (f, bsdf_pdf) = self.bsdf.f_pdf(self.wo, wi, self.mode);
-        if f == C::ZERO {
+        if !even_unscattered && f == C::ZERO {
             return None;
         }
-        let weight = if light.is_delta || only_light_samples {
-            1.0
-        } else {
-            power_heuristic(light_samples as f32 * light.pdf, bsdf_pdf)
-        };
         // The target is offset from the light, by more the farther away it is, so that the light does not occlude itself.
         let shadow = point.leave_to(self.side(light.wi), light.target);
-        Some((
-            shadow,
-            f * scene.emitters().in_spectrum::<C>(light.emitter, light.radiance, &self.wavelengths)
-                * (wi.z.abs() * weight / (light.pdf * light_samples as f32)),
-        ))
+        let radiance = scene.emitters().in_spectrum::<C>(light.emitter, light.radiance, &self.wavelengths);
+        let pdf = light.pdf * light_samples as f32;
+        Some(LightSample { shadow, wi, f, radiance, pdf, bsdf_pdf, alone: light.is_delta || only_light_samples })
     }
 
     /// Whether the surface sends what it transmits into a direction (local frame) elsewhere for each wavelength. The compiler knows that
@@ -445,7 +508,7 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         let wi = if is_specular { wi.normalize() } else { wi };
         let ray = self.leave_by(sample.lobe, wi, sample.eta);
         let disperses = self.disperses(sample.wi);
-        Some(Bounce { ray, weight: sample.weight, pdf, eta: sample.eta, disperses })
+        Some(Bounce { ray, weight: sample.weight, pdf, eta: sample.eta, disperses, survival: 1.0 })
     }
 
     /// The ray that leaves by a delta lobe; `None` where an interpolated normal would send the ray through the face.

@@ -111,18 +111,18 @@ impl<C: Spectrum> Walk<C> {
         walk
     }
 
-    /// Plays Russian roulette with `u` in [0, 1): whether the path goes on, with the throughput that makes up for those that do
-    /// not. `fraction`: see [`roulette`].
+    /// Plays Russian roulette with `u` in [0, 1): the probability with which the path goes on, with the throughput that makes up for
+    /// those that do not; `None` where it ends. `fraction`: see [`roulette`].
     #[inline(always)]
-    fn survives(&mut self, fraction: f32, u: f32) -> bool {
+    fn survives(&mut self, fraction: f32, u: f32) -> Option<f32> {
         let survival = roulette(fraction, self.depth);
         if survival < 1.0 {
             if u >= survival {
-                return false;
+                return None;
             }
             self.throughput /= survival;
         }
-        true
+        Some(survival)
     }
 
     /// Lets the path go on with its first wavelength alone, after a bounce that sends each wavelength into another direction.
@@ -178,19 +178,41 @@ impl<C: Spectrum> Walk<C> {
         first: &mut impl FnMut(FirstHit),
         mut light: impl FnMut(&mut C, Ray, C),
     ) -> Option<Ray> {
+        if !self.arrive(scene, vertex, limits, first) {
+            return None;
+        }
+        self.scatter(scene, vertex, sampler, limits, &mut light).map(|bounce| bounce.ray)
+    }
+
+    /// Arrives at the next vertex and adds the light that its surface emits. Whether the surface also scatters light, at a depth that
+    /// the limits allow.
+    #[inline(always)]
+    pub fn arrive(
+        &mut self,
+        scene: &Scene,
+        vertex: &Vertex<'_, C>,
+        limits: &Limits,
+        first: &mut impl FnMut(FirstHit),
+    ) -> bool {
         self.depth += 1;
         if self.depth == 1 {
             first(vertex.first_hit(scene));
         }
+        self.radiance += self.throughput * vertex.emitted(scene, self.previous, limits.shadow_rays);
+        self.depth <= limits.max_depth && !vertex.lobes.is_empty()
+    }
 
-        // Emission of the surface itself.
+    /// Takes light samples at the vertex where the path has arrived, as [`Self::meet`] does, and samples its next direction.
+    #[inline(always)]
+    pub fn scatter<S: Sampler>(
+        &mut self,
+        scene: &Scene,
+        vertex: &Vertex<'_, C>,
+        sampler: &mut S,
+        limits: &Limits,
+        light: &mut impl FnMut(&mut C, Ray, C),
+    ) -> Option<Bounce<C>> {
         let shadow_rays = limits.shadow_rays;
-        self.radiance += self.throughput * vertex.emitted(scene, self.previous, shadow_rays);
-        if self.depth > limits.max_depth || vertex.lobes.is_empty() {
-            return None;
-        }
-
-        // Direct light from the emitters.
         if vertex.finds_light_samples() && !scene.emitters().is_dark() {
             for _ in 0..shadow_rays {
                 if let Some((shadow, sent)) = vertex.light_sample(scene, sampler.next_4d(), shadow_rays, false) {
@@ -199,7 +221,57 @@ impl<C: Spectrum> Walk<C> {
                 }
             }
         }
-        self.bounce(vertex, sampler, limits).map(|bounce| bounce.ray)
+        self.bounce(vertex, sampler, limits)
+    }
+
+    /// Forgets what the path has brought and carried so far: from here on its radiance is what arrives here.
+    #[inline]
+    pub fn begin_again(&mut self) {
+        self.radiance = C::ZERO;
+        self.throughput = C::ONE;
+        self.eta2 = 1.0;
+        self.roulette_reference = CERTAIN_FRACTION;
+    }
+
+    /// Forgets what the path has brought, and what it carries but for the survival of its last bounce. Roulette goes on as if it
+    /// carried what it did.
+    #[inline]
+    pub fn begin_again_after(&mut self, survival: f32) {
+        let carried = self.carried();
+        self.radiance = C::ZERO;
+        self.throughput = C::ONE / survival;
+        self.roulette_reference *= self.carried() / carried;
+    }
+
+    /// A path that leaves this one at its vertex with this weight and no radiance yet, and that roulette does not end before
+    /// [`Self::end_of_chain`].
+    #[inline]
+    pub fn aimed(&self, weight: C) -> Self {
+        let mut walk = self.branch(weight, false);
+        walk.eta2 = 1.0;
+        walk.keep_for_certain();
+        walk
+    }
+
+    /// Lets the path survive the next bounce.
+    #[inline]
+    pub fn keep_for_certain(&mut self) {
+        self.roulette_reference = CERTAIN_FRACTION * self.carried();
+    }
+
+    /// Plays roulette from here on as a path that carried this after its first hit.
+    #[inline]
+    pub fn end_of_chain(&mut self, first: C) {
+        self.roulette_reference = CERTAIN_FRACTION * first.max_element();
+    }
+
+    /// Goes on as a path that has brought this radiance and carries this times what it does, with the same roulette.
+    #[inline]
+    pub fn resume(&mut self, radiance: C, weight: C) {
+        let carried = self.carried();
+        self.radiance = radiance;
+        self.throughput *= weight;
+        self.roulette_reference *= self.carried() / carried;
     }
 
     /// Samples the next direction and plays Russian roulette; `None` where the path ends.
@@ -211,7 +283,7 @@ impl<C: Spectrum> Walk<C> {
         limits: &Limits,
     ) -> Option<Bounce<C>> {
         let u = sampler.next_4d();
-        let bounce = vertex.sample_bounce(u)?;
+        let mut bounce = vertex.sample_bounce(u)?;
         let depth = self.depth;
         if depth == limits.max_depth && bounce.pdf.is_none() && !limits.mirrors_see_lights {
             return None;
@@ -235,9 +307,7 @@ impl<C: Spectrum> Walk<C> {
                 Some(survival) if bounce.pdf.is_some() && depth < OWN_SURVIVAL_BOUNCES => survival,
                 _ => carried / self.roulette_reference,
             };
-            if !self.survives(fraction, u[3]) {
-                return None;
-            }
+            bounce.survival = self.survives(fraction, u[3])?;
         }
         Some(bounce)
     }

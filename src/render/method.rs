@@ -3,6 +3,7 @@
 use crate::desc::{IntegratorDesc, Preparation, SampleOrder};
 use crate::integrator::photon::Gather;
 use crate::integrator::radiosity::RadiosityPicture;
+use crate::integrator::reuse::PathReuse;
 use crate::integrator::{Direct, Irradiance, Path, Probes, Transport, Whitted};
 use crate::spectrum::{Rgb, SampledSpectrum};
 
@@ -10,6 +11,8 @@ use crate::spectrum::{Rgb, SampledSpectrum};
 #[derive(Clone)]
 pub(super) enum Method {
     Path,
+    /// Path tracing whose pixels share hits.
+    Reuse(PathReuse),
     Whitted,
     Direct,
     /// Path tracing with photon maps.

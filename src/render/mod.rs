@@ -16,6 +16,7 @@
 mod adaptive;
 mod maps;
 mod method;
+mod order;
 mod pass;
 mod replay;
 mod report;
@@ -38,6 +39,7 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::film::{ErrorEstimate, ErrorMeasure, Film, FilmOptions, Image, Placement, TILE};
 use crate::integrator::photon::{Choice, choose};
 use crate::integrator::radiosity::{Radiosity, RadiosityPicture};
+use crate::integrator::reuse::PathReuse;
 use crate::integrator::{Irradiance, Path, Probe, ProbeQuantity, Probes, Sites};
 use crate::integrator::{check_reuse, check_support, check_wavelengths, no_reuse, no_wavelengths};
 use crate::sampling::Filter;
@@ -237,6 +239,13 @@ impl Render {
         let method = method.unwrap_or_else(|| Method::new(integrator));
         let filter = Filter::new(&filter_desc);
         let scene = scene.with_roulette(desc.roulette);
+        let method = match method {
+            Method::Path if desc.reuse => {
+                let path = Path { max_depth: desc.max_depth, shadow_rays: desc.shadow_rays };
+                Method::Reuse(PathReuse::new(&scene, path))
+            }
+            other => other,
+        };
         let shared = Arc::new(desc.clone());
         let plan = match integrator.info().preparation {
             Preparation::PhotonMaps(..) => Some(Maps::new(&scene, &camera, &shared, integrator, settings.sensor)?),

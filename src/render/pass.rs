@@ -6,12 +6,14 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 use super::method::Method;
+use super::order::{Order, TilePlace, Wanted};
 use super::replay::{NonFiniteSamples, Replay, Replayed};
 use super::workers::SharedWork;
 use crate::Cancel;
 use crate::camera::{Camera, MovingCamera};
 use crate::desc::{RenderDesc, SamplerDesc};
 use crate::film::{Film, PixelPhotonState, PixelSample, REPLICATES, TILE};
+use crate::integrator::reuse::{GROUP, Groups};
 use crate::integrator::{Context, Direct, Irradiance, Path, Probes, Sample, Tracer, Transport, Wave, Whitted};
 use crate::math::{DMat3, Ray};
 use crate::sampling::{AnySampler, Filter, Pattern, PatternSampler, Sampler, SobolSampler};
@@ -137,8 +139,8 @@ impl Tracer for PassTracer<'_> {
 struct SampleJob {
     /// Column and row in the picture, of which the film may be a part.
     pixel: [u32; 2],
-    /// Index of the pixel in its tile.
-    index: usize,
+    /// Index of the pixel in its tile; `None` for a sample that only belongs to the group of others.
+    index: Option<usize>,
     sample: u32,
     /// Offset of the film position from the pixel's middle in pixels, drawn from the filter.
     offset: [f32; 2],
@@ -164,20 +166,29 @@ struct Batch<S, C: Spectrum> {
     jobs: Vec<SampleJob>,
     /// Samples for the jobs; there may be more samples than jobs.
     samples: Vec<Sample<S, C>>,
+    /// Index after the last job of each group.
+    ends: Vec<usize>,
     wave: Wave<C>,
-    /// Greatest number of jobs at present. It begins at 1 and doubles, so that even passes that are stopped soon make
+    groups: Groups<C>,
+    /// Greatest number of jobs in a group: 1 where samples are independent.
+    group: usize,
+    /// Greatest number of jobs at present. It begins at one group and doubles, so that even passes that are stopped soon make
     /// progress.
     limit: usize,
 }
 
 impl<S: Clone, C: Spectrum> Batch<S, C> {
-    /// Makes an empty batch for up to `capacity` jobs.
-    fn new(sampler: &S, capacity: usize) -> Self {
+    /// Makes an empty batch for up to `capacity` jobs in groups of up to `group`.
+    fn new(sampler: &S, capacity: usize, group: usize) -> Self {
+        let capacity = capacity.max(group);
         Self {
             jobs: Vec::with_capacity(capacity),
             samples: vec![Sample::new(sampler.clone()); capacity],
+            ends: Vec::with_capacity(capacity),
             wave: Wave::default(),
-            limit: 1,
+            groups: Groups::default(),
+            group,
+            limit: group,
         }
     }
 }
@@ -189,6 +200,11 @@ trait Measurement: Sync {
 
     /// Number of samples in a batch. It is 1 where a sample needs the state that the pixel's previous sample left.
     fn batch_size(&self, pass: &Pass) -> usize;
+
+    /// Greatest number of samples in a group, whose estimates depend on each other.
+    fn group_size(&self) -> usize {
+        1
+    }
 
     /// Takes the samples of all jobs.
     fn take<S: Sampler, T: Tracer>(&self, pass: &Pass, batch: &mut Batch<S, Self::Carried>, tracer: &mut T);
@@ -209,9 +225,13 @@ impl<I: Transport<C>, C: Spectrum> Measurement for CameraRadiance<'_, I, C> {
         }
     }
 
+    fn group_size(&self) -> usize {
+        if I::IN_GROUPS { GROUP } else { 1 }
+    }
+
     #[inline(always)]
     fn take<S: Sampler, T: Tracer>(&self, pass: &Pass, batch: &mut Batch<S, C>, tracer: &mut T) {
-        let Batch { jobs, samples, wave, .. } = batch;
+        let Batch { jobs, ends, samples, wave, groups, .. } = batch;
         let samples = &mut samples[..jobs.len()];
         for (job, sample) in jobs.iter().zip(samples.iter_mut()) {
             let [x, y] = job.pixel;
@@ -246,7 +266,9 @@ impl<I: Transport<C>, C: Spectrum> Measurement for CameraRadiance<'_, I, C> {
                 sample.wavelengths = self.0.wavelengths(&mut sample.sampler, pass.input.sensor);
             }
         }
-        if I::IN_WAVES {
+        if I::IN_GROUPS {
+            self.0.li_of_groups(&pass.input.scene, samples, ends, groups, tracer);
+        } else if I::IN_WAVES {
             self.0.li_of_many(&pass.input.scene, samples, wave, tracer);
         } else {
             for (job, Sample { ray, sampler, radiance, first, wavelengths }) in jobs.iter_mut().zip(samples.iter_mut())
@@ -357,6 +379,7 @@ impl SharedWork for Pass {
         let is_spectral = self.input.desc.spectral;
         match &self.input.method {
             Method::Path if is_spectral => self.in_wavelengths(&Path { max_depth, shadow_rays }, pause),
+            Method::Reuse(reuse) => self.in_colours(reuse, pause),
             Method::Path => self.in_colours(&Path { max_depth, shadow_rays }, pause),
             Method::Whitted if is_spectral => self.in_wavelengths(&Whitted { max_depth, shadow_rays }, pause),
             Method::Whitted => self.in_colours(&Whitted { max_depth, shadow_rays }, pause),
@@ -477,7 +500,7 @@ impl Pass {
         sampler: &S,
         pause: &mut dyn FnMut() -> bool,
     ) -> bool {
-        let mut batch = Batch::new(sampler, measurement.batch_size(self));
+        let mut batch = Batch::new(sampler, measurement.batch_size(self), measurement.group_size());
         loop {
             if self.is_stopped() {
                 return true;
@@ -515,21 +538,25 @@ impl Pass {
         let [left, top] = self.input.film.tile_origin(number);
         // Samples depend on where a pixel is in the picture, so that a part of it shows what the whole does.
         let (origin, picture_width) = (self.input.film.origin(), self.input.film.picture_width());
-        let (rows, columns) = match &self.replay {
-            None => (top..(top + TILE).min(height), left..(left + TILE).min(width)),
-            Some(Replay { pixel: [x, y], .. }) => (*y..y + 1, *x..x + 1),
+        let place = TilePlace {
+            origin: [left + origin[0], top + origin[1]],
+            size: [width - left, height - top].map(|size| size.min(TILE)),
+            picture: self.input.desc.resolution,
         };
-        let index = |[x, y]: [u32; 2]| ((y - top) * TILE + (x - left)) as usize;
         let counts = self.input.film.tile(number).counts();
-        let samples = |pixel: [u32; 2]| {
-            let samples = match (&self.replay, &self.goals) {
-                (None, None) => counts[index(pixel)]..self.samples,
-                (None, Some(goals)) => counts[index(pixel)]..goals[(pixel[1] * width + pixel[0]) as usize],
-                (Some(replay), _) => replay.sample..replay.sample.saturating_add(1),
-            };
-            samples.map(move |sample| (pixel, sample))
+        let wants = |index: usize| match (&self.replay, &self.goals) {
+            (None, None) => counts[index]..self.samples,
+            (None, Some(goals)) => {
+                let [x, y] = [index as u32 % TILE, index as u32 / TILE];
+                counts[index]..goals[((top + y) * width + left + x) as usize]
+            }
+            (Some(replay), _) if replay.is_of(index) => replay.sample..replay.sample.saturating_add(1),
+            _ => 0..0,
         };
-        let mut wanted = rows.flat_map(|y| columns.clone().map(move |x| [x, y])).flat_map(samples);
+        let mut order = match batch.group {
+            1 => Order::of_pixels(place),
+            _ => Order::of_groups(place, self.input.desc.seed),
+        };
         loop {
             if self.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
                 self.abandon();
@@ -537,16 +564,24 @@ impl Pass {
             // The calling thread reports progress in `pause`. A worker completes its tile even where `pause` returns true.
             pause();
             batch.jobs.clear();
-            for (pixel, sample) in wanted.by_ref().take(batch.limit) {
-                let sampler = &mut batch.samples[batch.jobs.len()].sampler;
-                let index = index(pixel);
-                let pixel = [pixel[0] + origin[0], pixel[1] + origin[1]];
-                sampler.start(pixel[1] * picture_width + pixel[0], sample);
-                let (offset, weight) = self.input.filter.sample(sampler.pixel_2d());
-                let remembers = self.input.film.options().gathering;
-                let gathering =
-                    if remembers { self.input.film.tile(number).gathering.get(index).copied() } else { None };
-                batch.jobs.push(SampleJob { pixel, index, sample, offset, weight, time: 0.0, gathering });
+            batch.ends.clear();
+            let remembers = self.input.film.options().gathering;
+            let Batch { jobs, ends, samples, limit, group, .. } = &mut *batch;
+            while jobs.len() + *group <= *limit {
+                let has_group = order.next_group(wants, |Wanted { pixel, index, sample }| {
+                    let sampler = &mut samples[jobs.len()].sampler;
+                    sampler.start(pixel[1] * picture_width + pixel[0], sample);
+                    let (offset, weight) = self.input.filter.sample(sampler.pixel_2d());
+                    let gathering = match index {
+                        Some(index) if remembers => self.input.film.tile(number).gathering.get(index).copied(),
+                        _ => None,
+                    };
+                    jobs.push(SampleJob { pixel, index, sample, offset, weight, time: 0.0, gathering });
+                });
+                if !has_group {
+                    break;
+                }
+                ends.push(jobs.len());
             }
             if batch.jobs.is_empty() {
                 return true;
@@ -570,13 +605,16 @@ impl Pass {
         let options = self.input.film.options();
         let mut tile = self.input.film.tile(tile);
         for (job, Sample { radiance, wavelengths, first, .. }) in batch.jobs.iter().zip(&batch.samples) {
+            let Some(index) = job.index else { continue };
             let is_blind = self.input.has_rim && !self.sees(job);
             let mut radiance = if is_blind { Rgb::ZERO } else { radiance.to_film(wavelengths, self.input.sensor) };
             if let Some(white) = &self.input.white_balance {
                 radiance = Rgb::from_f64(*white * radiance.to_f64());
             }
             if let Some(replay) = &self.replay {
-                replay.record(radiance, rays);
+                if replay.is_of(index) {
+                    replay.record(radiance, rays);
+                }
                 continue;
             }
             if !radiance.is_finite() {
@@ -589,7 +627,7 @@ impl Pass {
             };
             let first = first.map(|hit| (hit.albedo, hit.normal, depth(hit.p)));
             let (weight, gathering) = (job.weight, job.gathering);
-            tile.add_sample(job.index, PixelSample { radiance, weight, gathering, first }, options.share);
+            tile.add_sample(index, PixelSample { radiance, weight, gathering, first }, options.share);
         }
     }
 

@@ -8,6 +8,7 @@
 use std::collections::BTreeSet;
 use std::sync::{Mutex, PoisonError};
 
+use crate::film::TILE;
 use crate::math::Ray;
 use crate::scene::{Hit, HitDescription, Scene};
 use crate::spectrum::Rgb;
@@ -97,7 +98,8 @@ fn explain(scene: &Scene, pixel: [u32; 2], sample: u32, replay: impl Fn(u64) -> 
     NonFiniteSample { pixel, sample, radiance, rays: high, hit }
 }
 
-/// A replay: one sample that is taken once more and ends after some of its rays.
+/// A replay: one sample that is taken once more and ends after some of its rays. A sample that is a part of a group is taken with
+/// its group, whose rays are counted together.
 pub(super) struct Replay {
     /// Column and row on the film.
     pub pixel: [u32; 2],
@@ -121,6 +123,13 @@ impl Replay {
     /// Makes a replay of a sample of a pixel. Rays after ray number `limit` find nothing.
     pub(super) fn new(pixel: [u32; 2], sample: u32, limit: u64) -> Self {
         Self { pixel, sample, limit, replayed: Mutex::default() }
+    }
+
+    /// Whether it is the pixel with this index in its tile.
+    #[inline]
+    pub(super) fn is_of(&self, index: usize) -> bool {
+        let [x, y] = self.pixel.map(|place| place % TILE);
+        index == (y * TILE + x) as usize
     }
 
     /// The hit of ray number `number`, or `None` for rays after the limit. It is called only for rays from the limit on.

@@ -21,6 +21,7 @@ mod motion;
 mod photometry;
 mod photons;
 mod radiosity;
+mod reuse;
 mod sampling;
 mod spectra;
 mod textures;
@@ -41,6 +42,7 @@ fn groups() -> Vec<(&'static str, Vec<Entry>)> {
         ("lights", lights::cases()),
         ("sampling", sampling::cases()),
         ("transport", transport::cases()),
+        ("reuse", reuse::cases()),
         ("photons", photons::cases()),
         ("radiosity", radiosity::cases()),
         ("media", media::cases()),

@@ -16,12 +16,12 @@
 use std::cell::RefCell;
 use std::sync::Arc;
 
+use super::super::aim::Aims;
 use super::super::irradiance_cache::IrradianceCache;
 use super::super::media::arrive;
 use super::super::vertex::Vertex;
 use super::super::walk::{Limits, Walk};
 use super::super::{Context, FirstHit, Tracer, Transport};
-use super::aim::Aims;
 use super::coverage::DiskCoverage;
 use super::cut_disk::CutDisk;
 use super::division::{Division, PARTS, choose_part};

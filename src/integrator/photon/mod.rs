@@ -18,7 +18,6 @@
 //! Photon Mapping"; Knaus and Zwicker 2011, "Progressive Photon Mapping: A Probabilistic Approach"; Hachisuka, Jarosz,
 //! Jensen 2010, "A Progressive Error Estimation Framework for Photon Density Estimation".
 
-mod aim;
 mod choose;
 mod coverage;
 mod cut_disk;

@@ -2,9 +2,9 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use super::super::aim::Aims;
 use super::super::irradiance_cache::fill_cache;
 use super::super::{check_still, check_support};
-use super::aim::Aims;
 use super::choose::aimed_paths_find_caustics;
 use super::coverage::DiskCoverage;
 use super::division::{Division, narrow_below};

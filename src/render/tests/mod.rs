@@ -4,6 +4,7 @@
 mod environments;
 mod lobes;
 mod refused;
+mod reuse;
 mod rooms;
 
 use std::ops::ControlFlow;

@@ -88,6 +88,7 @@ fn crop(case: &mut Case) {
     }
     let room = load("room.json");
     let scene = build(&room);
+    compare("path, reuse".to_owned(), &scene, &RenderDesc { reuse: true, ..base.clone() });
     for (name, sampler, filter) in [
         ("random, mitchell", SamplerDesc::Random, FilterDesc::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 }),
         ("jittered, gaussian", SamplerDesc::Jittered, FilterDesc::Gaussian { sigma: 0.5 }),

@@ -10,7 +10,7 @@ mod lens;
 mod panoramas;
 mod parallel;
 mod range;
-mod repeat;
+pub mod repeat;
 mod sums;
 
 use std::ops::ControlFlow;

@@ -35,7 +35,12 @@ enum Seen {
 impl Aims {
     /// Collects the specular parts of a scene: surfaces with delta lobes, and with glossy lobes below this width.
     pub fn new(scene: &Scene, narrow_below: f32) -> Self {
-        Self(scene.specular_parts(narrow_below, MOST_PARTS).into())
+        Self::of_few(scene, narrow_below, MOST_PARTS)
+    }
+
+    /// The same in at most `most` parts (from 1 to 16).
+    pub fn of_few(scene: &Scene, narrow_below: f32, most: usize) -> Self {
+        Self(scene.specular_parts(narrow_below, most.clamp(1, MOST_PARTS)).into())
     }
 
     /// A unit direction from `p`, on the side of the unit normal `n`, towards one of the parts, and its density (sr^-1).
@@ -46,15 +51,8 @@ impl Aims {
     #[inline]
     pub fn sample(&self, p: Vec3, n: Vec3, choice: f32, u: [f32; 2]) -> Option<(Vec3, f32)> {
         let mut seen = [(Seen::Nothing, 0.0); MOST_PARTS];
-        let mut total = 0.0;
-        for (seen, part) in seen.iter_mut().zip(&*self.0) {
-            *seen = Seen::new(part, p, n);
-            total += seen.1;
-        }
-        if total.is_nan() || total <= 0.0 {
-            return None;
-        }
-        let seen = &seen[..self.0.len()];
+        let seen = &mut seen[..self.0.len()];
+        let total = self.see(p, n, seen)?;
         let mut left = choice * total;
         let mut chosen = None;
         for (index, (_, weight)) in seen.iter().enumerate().filter(|(_, (_, weight))| *weight > 0.0) {
@@ -73,6 +71,36 @@ impl Aims {
             }
         }
         Some((direction, density / total))
+    }
+
+    /// Density of [`Self::sample`] for a unit direction (sr^-1).
+    #[inline]
+    pub fn pdf(&self, p: Vec3, n: Vec3, direction: Vec3) -> f32 {
+        let (mut density, mut total) = (0.0, 0.0);
+        for part in &*self.0 {
+            let (seen, weight) = Seen::new(part, p, n);
+            total += weight;
+            if weight > 0.0 {
+                density += weight * seen.pdf(n, direction);
+            }
+        }
+        if total > 0.0 { density / total } else { 0.0 }
+    }
+
+    /// Whether there is nothing to aim at.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Finds how each part is seen from a point, and its weight. Returns the sum of the weights; `None` where no part is above the horizon.
+    #[inline]
+    fn see(&self, p: Vec3, n: Vec3, seen: &mut [(Seen, f32)]) -> Option<f32> {
+        let mut total = 0.0;
+        for (seen, part) in seen.iter_mut().zip(&*self.0) {
+            *seen = Seen::new(part, p, n);
+            total += seen.1;
+        }
+        (total > 0.0).then_some(total)
     }
 }
 
