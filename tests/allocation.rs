@@ -76,6 +76,15 @@ fn count<I: Integrator, S: Sampler>(scene: &Scene, integrator: &I, sampler: &mut
     (ALLOCATIONS.get() - before, tracer.rays)
 }
 
+/// Samples of a row of 64 pixels.
+fn begin_row<S: Sampler>(samples: &mut [Sample<S>], camera: &Camera, row: u32) {
+    for (x, sample) in (0..).zip(samples) {
+        sample.sampler.start(64 * row + x, 0);
+        let [dx, dy] = sample.sampler.pixel_2d();
+        sample.ray = camera.ray(x as f32 + dx, row as f32 + dy);
+    }
+}
+
 /// The same in waves, of which the first takes the memory.
 fn count_in_waves<I: Integrator, S: Sampler + Clone>(scene: &Scene, integrator: &I, sampler: &S) -> (usize, u64) {
     let camera = Camera::new(scene.camera(), [64, 64], scene.centre()).unwrap();
@@ -83,11 +92,7 @@ fn count_in_waves<I: Integrator, S: Sampler + Clone>(scene: &Scene, integrator: 
     let (mut wave, mut samples) = (Wave::default(), vec![Sample::new(sampler.clone()); 64]);
     let (mut before, mut sum) = (0, Rgb::ZERO);
     for row in 0..64 {
-        for (x, sample) in (0..).zip(&mut samples) {
-            sample.sampler.start(64 * row + x, 0);
-            let [dx, dy] = sample.sampler.pixel_2d();
-            sample.ray = camera.ray(x as f32 + dx, row as f32 + dy);
-        }
+        begin_row(&mut samples, &camera, row);
         integrator.radiance_of_many(scene, &mut samples, &mut wave, &mut tracer);
         sum += samples.iter().map(|sample| sample.radiance).sum::<Rgb>();
         if row == 0 {
@@ -105,11 +110,7 @@ fn count_in_groups<S: Sampler + Clone>(scene: &Scene, integrator: &PathReuse, sa
     let (mut groups, mut samples) = (Groups::default(), vec![Sample::new(sampler.clone()); 64]);
     let (mut before, mut sum) = (0, Rgb::ZERO);
     for row in 0..64 {
-        for (x, sample) in (0..).zip(&mut samples) {
-            sample.sampler.start(64 * row + x, 0);
-            let [dx, dy] = sample.sampler.pixel_2d();
-            sample.ray = camera.ray(x as f32 + dx, row as f32 + dy);
-        }
+        begin_row(&mut samples, &camera, row);
         integrator.li_of_groups(scene, &mut samples, &[16, 32, 48, 64], &mut groups, &mut tracer);
         sum += samples.iter().map(|sample| sample.radiance).sum::<Rgb>();
         if row == 0 {

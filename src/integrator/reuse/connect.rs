@@ -36,13 +36,14 @@ pub(super) struct Connections<C: Spectrum> {
 }
 
 impl<C: Spectrum> Connections<C> {
-    /// Connects the vertices of the paths in `group`. `add` receives the number of each path that gets light, and the light.
+    /// Connects the vertices of the paths in `group`. `add` receives the number of each path that gets light, and the light. `is_limited`:
+    /// whether paths have a greatest depth, so that a second vertex brings more or fewer bounces than one of another depth.
     #[inline(always)]
     pub fn connect<T: Tracer>(
         &mut self,
         scene: &Scene,
         paths: &Paths<C>,
-        group: Range<usize>,
+        (group, is_limited): (Range<usize>, bool),
         tracer: &mut T,
         mut add: impl FnMut(usize, C),
     ) {
@@ -61,14 +62,18 @@ impl<C: Spectrum> Connections<C> {
                 continue;
             }
             let Some(own) = Connection::of_path(path, first, second) else { continue };
-            // What is not finite is its own path's alone, which is then found and reported.
-            if !second.is_finite(paths) || !own.is_finite() {
+            // What is not finite is its own path's alone, which is then found and reported; so is what is so far away that its density vanishes.
+            if !second.is_finite(paths) || !own.is_finite() || own.density <= 0.0 {
                 add(path, second.weight * second.scattered_alone(scene, paths));
                 continue;
             }
             connections.push(own);
             for other in group.clone().filter(|other| *other != path) {
+                let depth = first.depth;
                 let Some(first) = &paths.firsts[other] else { continue };
+                if is_limited && first.depth != depth {
+                    continue;
+                }
                 if let Some((connection, shadow)) = Connection::between(scene, &paths.bsdfs, other, first, second) {
                     connections.push(connection);
                     shadows.push(shadow);

@@ -39,6 +39,8 @@ pub(super) struct First<C: Spectrum> {
     pub vertex: KeptVertex<C>,
     /// Throughput of the path up to the vertex.
     pub throughput: C,
+    /// Number of hits up to the vertex, itself included.
+    pub depth: u32,
     /// Density of the path's next direction (sr^-1), and the probability with which the path survived its bounce; `None` where it
     /// goes on by a perfectly specular lobe, or ends.
     pub left: Option<(f32, f32)>,
@@ -357,9 +359,11 @@ impl<C: Spectrum> Groups<C> {
         for (sample, aimed) in samples.iter_mut().zip(walks.get(count..).unwrap_or_default()) {
             sample.radiance += aimed.radiance;
         }
+        let is_limited = limits.max_depth != u32::MAX;
         let mut begin = 0;
         for end in ends {
-            connections.connect(scene, paths, begin..*end, tracer, |path, light| samples[path].radiance += light);
+            let add = |path: usize, light| samples[path].radiance += light;
+            connections.connect(scene, paths, (begin..*end, is_limited), tracer, add);
             begin = *end;
         }
     }
@@ -493,7 +497,7 @@ impl<C: Spectrum> Groups<C> {
                     aimed.push(((count + path) as u32, ray));
                 }
                 paths.keep_bsdf(&kept, slot.take());
-                paths.firsts[path] = Some(First { vertex: kept, throughput, left });
+                paths.firsts[path] = Some(First { vertex: kept, throughput, depth: before.depth, left });
                 bounce.map(|bounce| bounce.ray)
             } else {
                 let is_second = *stage == Stage::ToSecond;

@@ -39,21 +39,9 @@ fn agree(what: &str, stage: &Stage, seeds: u64, samples: u32) {
     }
 }
 
-/// Walls, a lamp, and bodies with all kinds of lobes that reflect.
 #[test]
 fn mixtures_that_reflect_agree_with_paths_by_themselves() {
-    let mut stage = Stage::default();
-    let wall = stage.material(mixture(&[(DIFFUSE, 0.6)]));
-    let lacquer = stage.material(mixture(&[(MIRROR, 0.4), (DIFFUSE, 0.4)]));
-    let glossy = stage.material(mixture(&[(GLOSSY, 0.5), (MIRROR, 0.2)]));
-    let floor = stage.material(mixture(&[(GLOSSY, 0.3), (DIFFUSE, 0.3)]));
-    stage.cube(wall, None);
-    stage.quad([[-0.9, -0.9, 0.9], [0.9, -0.9, 0.9], [0.9, -0.9, -0.9], [-0.9, -0.9, -0.9]], floor, None);
-    stage.sphere([-0.45, -0.55, -0.3], 0.33, lacquer);
-    stage.sphere([0.45, -0.55, -0.1], 0.33, glossy);
-    stage.quad([[-0.8, 0.95, -0.8], [0.8, 0.95, -0.8], [0.8, 0.95, 0.8], [-0.8, 0.95, 0.8]], wall, Some(RADIANCE));
-    stage.camera([0.0, 0.1, 0.95], [0.0, -0.4, -0.5], 75.0);
-    agree("mixtures", &stage, 16, 192);
+    agree("mixtures", &rooms::among_mixtures(), 16, 192);
 }
 
 /// Surfaces that let light through, in the light of an environment, which the next rays of shared hits find too.

@@ -44,8 +44,7 @@ fn effort(seeds: u64, samples: u32, photons: u32) -> Effort {
 }
 
 /// A closed room with a lamp, a shining ball that is partly a mirror, a glossy one, and a floor with gloss.
-#[test]
-fn photons_agree_with_paths_among_mixtures() {
+pub(super) fn among_mixtures() -> Stage {
     let mut stage = Stage::default();
     let wall = stage.material(mixture(&[(DIFFUSE, 0.6)]));
     let lacquer = stage.material(mixture(&[(MIRROR, 0.4), (DIFFUSE, 0.4)]));
@@ -57,7 +56,12 @@ fn photons_agree_with_paths_among_mixtures() {
     stage.sphere([0.45, -0.55, -0.1], 0.33, glossy);
     stage.quad([[-0.8, 0.95, -0.8], [0.8, 0.95, -0.8], [0.8, 0.95, 0.8], [-0.8, 0.95, 0.8]], wall, Some(RADIANCE));
     stage.camera([0.0, 0.1, 0.95], [0.0, -0.4, -0.5], 75.0);
-    agree("mixtures", &stage, &effort(16, 384, 1), &effort(8, 48, 30_000));
+    stage
+}
+
+#[test]
+fn photons_agree_with_paths_among_mixtures() {
+    agree("mixtures", &among_mixtures(), &effort(16, 384, 1), &effort(8, 48, 30_000));
 }
 
 /// Glass, a lacquered ball and a glossy floor in the light of an environment.
