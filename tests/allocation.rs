@@ -8,8 +8,8 @@ use std::cell::Cell;
 use common::scenes::{box_inside, camera, scene};
 use etendue::camera::Camera;
 use etendue::desc::{BsdfDesc, SceneDesc, ShapeDesc};
-use etendue::integrator::reuse::{Groups, PathReuse};
-use etendue::integrator::{Direct, Integrator, Path, Sample, SceneTracer, Transport, Wave, Whitted};
+use etendue::integrator::reuse::PathReuse;
+use etendue::integrator::{Direct, Integrator, Path, Sample, SceneTracer, Whitted};
 use etendue::math::DVec3;
 use etendue::sampling::{Pattern, PatternSampler, Sampler, SobolSampler};
 use etendue::scene::{BuildOptions, Scene};
@@ -85,33 +85,15 @@ fn begin_row<S: Sampler>(samples: &mut [Sample<S>], camera: &Camera, row: u32) {
     }
 }
 
-/// The same in waves, of which the first takes the memory.
-fn count_in_waves<I: Integrator, S: Sampler + Clone>(scene: &Scene, integrator: &I, sampler: &S) -> (usize, u64) {
+/// The same for rows of samples in groups, of which the first row takes the memory.
+fn count_in_rows<I: Integrator, S: Sampler + Clone>(scene: &Scene, integrator: &I, sampler: &S) -> (usize, u64) {
     let camera = Camera::new(scene.camera(), [64, 64], scene.centre()).unwrap();
     let mut tracer = SceneTracer::new(scene);
-    let (mut wave, mut samples) = (Wave::default(), vec![Sample::new(sampler.clone()); 64]);
+    let (mut memory, mut samples) = (I::Memory::default(), vec![Sample::new(sampler.clone()); 64]);
     let (mut before, mut sum) = (0, Rgb::ZERO);
     for row in 0..64 {
         begin_row(&mut samples, &camera, row);
-        integrator.radiance_of_many(scene, &mut samples, &mut wave, &mut tracer);
-        sum += samples.iter().map(|sample| sample.radiance).sum::<Rgb>();
-        if row == 0 {
-            before = ALLOCATIONS.get();
-        }
-    }
-    assert!(sum.is_finite() && sum.min_element() > 0.0);
-    (ALLOCATIONS.get() - before, tracer.rays)
-}
-
-/// The same in groups.
-fn count_in_groups<S: Sampler + Clone>(scene: &Scene, integrator: &PathReuse, sampler: &S) -> (usize, u64) {
-    let camera = Camera::new(scene.camera(), [64, 64], scene.centre()).unwrap();
-    let mut tracer = SceneTracer::new(scene);
-    let (mut groups, mut samples) = (Groups::default(), vec![Sample::new(sampler.clone()); 64]);
-    let (mut before, mut sum) = (0, Rgb::ZERO);
-    for row in 0..64 {
-        begin_row(&mut samples, &camera, row);
-        integrator.li_of_groups(scene, &mut samples, &[16, 32, 48, 64], &mut groups, &mut tracer);
+        integrator.radiance_of_many(scene, &mut samples, &[16, 32, 48, 64], &mut memory, &mut tracer);
         sum += samples.iter().map(|sample| sample.radiance).sum::<Rgb>();
         if row == 0 {
             before = ALLOCATIONS.get();
@@ -134,10 +116,10 @@ fn no_allocation_per_sample() {
     for (what, (allocations, rays)) in [
         ("path", count(&scene, &Path { max_depth: None, shadow_rays: 2 }, &mut sobol)),
         ("path, jittered", count(&scene, &Path { max_depth: Some(7), shadow_rays: 1 }, &mut pattern)),
-        ("path, in waves", count_in_waves(&scene, &Path { max_depth: None, shadow_rays: 2 }, &sobol)),
+        ("path, in waves", count_in_rows(&scene, &Path { max_depth: None, shadow_rays: 2 }, &sobol)),
         (
             "path, in groups",
-            count_in_groups(&scene, &PathReuse::new(&scene, Path { max_depth: None, shadow_rays: 2 }), &sobol),
+            count_in_rows(&scene, &PathReuse::new(&scene, Path { max_depth: None, shadow_rays: 2 }), &sobol),
         ),
         ("whitted", count(&scene, &Whitted { max_depth: None, shadow_rays: 1 }, &mut sobol)),
         ("direct", count(&scene, &Direct { shadow_rays: 1 }, &mut sobol)),

@@ -110,7 +110,7 @@ pub fn render_in_waves<T: Tracer>(
                 let [dx, dy] = sample.sampler.pixel_2d();
                 sample.ray = camera.ray(x as f32 + dx, y as f32 + dy);
             }
-            PATH.radiance_of_many(scene, &mut samples, &mut wave, tracer);
+            PATH.radiance_of_many(scene, &mut samples, &[], &mut wave, tracer);
             sum += samples.iter().map(|sample| sample.radiance.element_sum()).sum::<f32>();
         }
     }

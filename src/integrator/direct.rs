@@ -27,6 +27,8 @@ impl Direct {
 }
 
 impl<C: Spectrum> Transport<C> for Direct {
+    type Memory = Wave<C>;
+
     #[inline]
     fn li<S: Sampler, T: Tracer>(
         &self,
@@ -44,6 +46,7 @@ impl<C: Spectrum> Transport<C> for Direct {
         &self,
         scene: &Scene,
         samples: &mut [Sample<S, C>],
+        _ends: &[usize],
         wave: &mut Wave<C>,
         tracer: &mut T,
     ) {

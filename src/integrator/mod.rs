@@ -37,6 +37,9 @@ use crate::spectrum::{Rgb, Sensor, Spectrum};
 
 /// A light transport algorithm over paths that carry `C`: three channels, or several wavelengths.
 pub trait Transport<C: Spectrum>: Sync {
+    /// What [`Transport::li_of_many`] keeps from call to call, so that later calls do not allocate.
+    type Memory: Default;
+
     /// An estimate of the radiance [W m^-2 sr^-1] that arrives at the ray's origin against its direction (unit length).
     ///
     /// `first` receives the first hit, if there is one. The estimate is unbiased unless a depth limit was asked for.
@@ -63,13 +66,18 @@ pub trait Transport<C: Spectrum>: Sync {
     /// pixel must leave this `false`.
     const IN_WAVES: bool = false;
 
-    /// Estimates the radiance of several samples, each as by [`Transport::li`].
+    /// Whether the samples of neighbouring pixels are estimated together, so that each is a part of a group.
+    const IN_GROUPS: bool = false;
+
+    /// Estimates the radiance of several samples: each as by [`Transport::li`], or those of a group together. `ends`: index after the
+    /// last sample of each group, where there are groups.
     #[inline(always)]
     fn li_of_many<S: Sampler, T: Tracer>(
         &self,
         scene: &Scene,
         samples: &mut [Sample<S, C>],
-        _wave: &mut Wave<C>,
+        _ends: &[usize],
+        _memory: &mut Self::Memory,
         tracer: &mut T,
     ) {
         for Sample { ray, sampler, radiance, wavelengths, first } in samples {
@@ -77,23 +85,6 @@ pub trait Transport<C: Spectrum>: Sync {
             let mut context = Context { scene, sampler, tracer, wavelengths: *wavelengths };
             *radiance = self.li(*ray, &mut context, &mut |hit| *first = Some(hit));
         }
-    }
-
-    /// Whether the samples of neighbouring pixels are estimated together, so that each is a part of a group.
-    const IN_GROUPS: bool = false;
-
-    /// Estimates the radiance of the samples of groups. `ends`: index after the last sample of each group. Integrators whose samples
-    /// are independent of each other need not say how.
-    #[inline(always)]
-    fn li_of_groups<S: Sampler, T: Tracer>(
-        &self,
-        scene: &Scene,
-        samples: &mut [Sample<S, C>],
-        _ends: &[usize],
-        _groups: &mut reuse::Groups<C>,
-        tracer: &mut T,
-    ) {
-        self.li_of_many(scene, samples, &mut Wave::default(), tracer);
     }
 
     /// The moment of the shutter interval ([`Ray::time`]) that all samples see; `None` where each sees a moment of its own.
@@ -133,10 +124,11 @@ pub trait Integrator: Transport<Rgb> {
         &self,
         scene: &Scene,
         samples: &mut [Sample<S>],
-        wave: &mut Wave,
+        ends: &[usize],
+        memory: &mut Self::Memory,
         tracer: &mut T,
     ) {
-        self.li_of_many(scene, samples, wave, tracer);
+        self.li_of_many(scene, samples, ends, memory, tracer);
     }
 }
 

@@ -34,6 +34,8 @@ impl Path {
 }
 
 impl<C: Spectrum> Transport<C> for Path {
+    type Memory = Wave<C>;
+
     #[inline]
     fn li<S: Sampler, T: Tracer>(
         &self,
@@ -51,6 +53,7 @@ impl<C: Spectrum> Transport<C> for Path {
         &self,
         scene: &Scene,
         samples: &mut [Sample<S, C>],
+        _ends: &[usize],
         wave: &mut Wave<C>,
         tracer: &mut T,
     ) {

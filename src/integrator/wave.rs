@@ -223,7 +223,7 @@ mod tests {
     fn compare<I: Integrator, S: Sampler + Clone>(scene: &Scene, integrator: &I, sampler: &S) {
         const SIDE: u32 = 24;
         let camera = Camera::new(scene.camera(), [SIDE; 2], scene.centre()).unwrap();
-        let (mut wave, mut lit, mut next) = (Wave::default(), 0, 0);
+        let (mut wave, mut lit, mut next) = (I::Memory::default(), 0, 0);
         for size in [1, 2, 15, 16, 17, 100, 300, 3, 122] {
             let mut samples = vec![Sample::new(sampler.clone()); size];
             for sample in &mut samples {
@@ -237,7 +237,7 @@ mod tests {
             }
             let (mut together, mut alone) = (SceneTracer::new(scene), SceneTracer::new(scene));
             let before = samples.clone();
-            integrator.radiance_of_many(scene, &mut samples, &mut wave, &mut together);
+            integrator.radiance_of_many(scene, &mut samples, &[], &mut wave, &mut together);
             for (mut sample, after) in before.into_iter().zip(samples) {
                 let mut first = None;
                 let sampler = &mut sample.sampler;

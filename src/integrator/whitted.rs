@@ -49,6 +49,8 @@ struct Branch<C: Spectrum> {
 }
 
 impl<C: Spectrum> Transport<C> for Whitted {
+    type Memory = ();
+
     #[inline]
     fn li<S: Sampler, T: Tracer>(
         &self,

@@ -13,8 +13,8 @@ use crate::Cancel;
 use crate::camera::{Camera, MovingCamera};
 use crate::desc::{RenderDesc, SamplerDesc};
 use crate::film::{Film, PixelPhotonState, PixelSample, REPLICATES, TILE};
-use crate::integrator::reuse::{GROUP, Groups};
-use crate::integrator::{Context, Direct, Irradiance, Path, Probes, Sample, Tracer, Transport, Wave, Whitted};
+use crate::integrator::reuse::GROUP;
+use crate::integrator::{Context, Direct, Irradiance, Path, Probes, Sample, Tracer, Transport, Whitted};
 use crate::math::{DMat3, Ray};
 use crate::sampling::{AnySampler, Filter, Pattern, PatternSampler, Sampler, SobolSampler};
 use crate::scene::{Backplate, Hit, Scene};
@@ -162,14 +162,13 @@ impl SampleJob {
 }
 
 /// The samples that a worker takes at the same time.
-struct Batch<S, C: Spectrum> {
+struct Batch<S, M: Measurement> {
     jobs: Vec<SampleJob>,
     /// Samples for the jobs; there may be more samples than jobs.
-    samples: Vec<Sample<S, C>>,
+    samples: Vec<Sample<S, M::Carried>>,
     /// Index after the last job of each group.
     ends: Vec<usize>,
-    wave: Wave<C>,
-    groups: Groups<C>,
+    memory: M::Memory,
     /// Greatest number of jobs in a group: 1 where samples are independent.
     group: usize,
     /// Greatest number of jobs at present. It begins at one group and doubles, so that even passes that are stopped soon make
@@ -177,7 +176,7 @@ struct Batch<S, C: Spectrum> {
     limit: usize,
 }
 
-impl<S: Clone, C: Spectrum> Batch<S, C> {
+impl<S: Clone, M: Measurement> Batch<S, M> {
     /// Makes an empty batch for up to `capacity` jobs in groups of up to `group`.
     fn new(sampler: &S, capacity: usize, group: usize) -> Self {
         let capacity = capacity.max(group);
@@ -185,8 +184,7 @@ impl<S: Clone, C: Spectrum> Batch<S, C> {
             jobs: Vec::with_capacity(capacity),
             samples: vec![Sample::new(sampler.clone()); capacity],
             ends: Vec::with_capacity(capacity),
-            wave: Wave::default(),
-            groups: Groups::default(),
+            memory: M::Memory::default(),
             group,
             limit: group,
         }
@@ -197,6 +195,8 @@ impl<S: Clone, C: Spectrum> Batch<S, C> {
 trait Measurement: Sync {
     /// What the samples carry: three channels, or several wavelengths, of which the film gets the colour.
     type Carried: Spectrum;
+    /// What is kept from batch to batch.
+    type Memory: Default;
 
     /// Number of samples in a batch. It is 1 where a sample needs the state that the pixel's previous sample left.
     fn batch_size(&self, pass: &Pass) -> usize;
@@ -207,7 +207,9 @@ trait Measurement: Sync {
     }
 
     /// Takes the samples of all jobs.
-    fn take<S: Sampler, T: Tracer>(&self, pass: &Pass, batch: &mut Batch<S, Self::Carried>, tracer: &mut T);
+    fn take<S: Sampler, T: Tracer>(&self, pass: &Pass, batch: &mut Batch<S, Self>, tracer: &mut T)
+    where
+        Self: Sized;
 }
 
 /// Radiance along camera rays.
@@ -215,6 +217,7 @@ struct CameraRadiance<'i, I, C = Rgb>(&'i I, PhantomData<C>);
 
 impl<I: Transport<C>, C: Spectrum> Measurement for CameraRadiance<'_, I, C> {
     type Carried = C;
+    type Memory = I::Memory;
 
     /// A wave, or with several shadow rays per hit the number of paths whose shadow rays make a wave.
     fn batch_size(&self, pass: &Pass) -> usize {
@@ -230,8 +233,8 @@ impl<I: Transport<C>, C: Spectrum> Measurement for CameraRadiance<'_, I, C> {
     }
 
     #[inline(always)]
-    fn take<S: Sampler, T: Tracer>(&self, pass: &Pass, batch: &mut Batch<S, C>, tracer: &mut T) {
-        let Batch { jobs, ends, samples, wave, groups, .. } = batch;
+    fn take<S: Sampler, T: Tracer>(&self, pass: &Pass, batch: &mut Batch<S, Self>, tracer: &mut T) {
+        let Batch { jobs, ends, samples, memory, .. } = batch;
         let samples = &mut samples[..jobs.len()];
         for (job, sample) in jobs.iter().zip(samples.iter_mut()) {
             let [x, y] = job.pixel;
@@ -266,10 +269,8 @@ impl<I: Transport<C>, C: Spectrum> Measurement for CameraRadiance<'_, I, C> {
                 sample.wavelengths = self.0.wavelengths(&mut sample.sampler, pass.input.sensor);
             }
         }
-        if I::IN_GROUPS {
-            self.0.li_of_groups(&pass.input.scene, samples, ends, groups, tracer);
-        } else if I::IN_WAVES {
-            self.0.li_of_many(&pass.input.scene, samples, wave, tracer);
+        if I::IN_WAVES {
+            self.0.li_of_many(&pass.input.scene, samples, ends, memory, tracer);
         } else {
             for (job, Sample { ray, sampler, radiance, first, wavelengths }) in jobs.iter_mut().zip(samples.iter_mut())
             {
@@ -337,13 +338,14 @@ fn leave_moving_camera<S: Sampler, C: Spectrum>(
 /// Irradiance of sites. A site has the number of its pixel.
 impl Measurement for Irradiance {
     type Carried = Rgb;
+    type Memory = ();
 
     fn batch_size(&self, _pass: &Pass) -> usize {
         SAMPLES_PER_BATCH
     }
 
     #[inline(always)]
-    fn take<S: Sampler, T: Tracer>(&self, pass: &Pass, batch: &mut Batch<S, Rgb>, tracer: &mut T) {
+    fn take<S: Sampler, T: Tracer>(&self, pass: &Pass, batch: &mut Batch<S, Self>, tracer: &mut T) {
         for (job, sample) in batch.jobs.iter().zip(&mut batch.samples) {
             let [x, y] = job.pixel;
             let site = (y * pass.input.film.options().resolution[0] + x) as usize;
@@ -356,13 +358,14 @@ impl Measurement for Irradiance {
 /// Light at points of space. A point has the number of its pixel.
 impl Measurement for Probes {
     type Carried = Rgb;
+    type Memory = ();
 
     fn batch_size(&self, _pass: &Pass) -> usize {
         SAMPLES_PER_BATCH
     }
 
     #[inline(always)]
-    fn take<S: Sampler, T: Tracer>(&self, pass: &Pass, batch: &mut Batch<S, Rgb>, tracer: &mut T) {
+    fn take<S: Sampler, T: Tracer>(&self, pass: &Pass, batch: &mut Batch<S, Self>, tracer: &mut T) {
         for (job, sample) in batch.jobs.iter().zip(&mut batch.samples) {
             let [x, y] = job.pixel;
             let number = (y * pass.input.film.options().resolution[0] + x) as usize;
@@ -529,7 +532,7 @@ impl Pass {
     fn tile<M: Measurement, S: Sampler>(
         &self,
         measurement: &M,
-        batch: &mut Batch<S, M::Carried>,
+        batch: &mut Batch<S, M>,
         number: usize,
         tracer: &mut PassTracer,
         pause: &mut dyn FnMut() -> bool,
@@ -601,7 +604,7 @@ impl Pass {
     }
 
     /// Adds samples to their pixels, or records the result of a replay.
-    fn add<S, C: Spectrum>(&self, batch: &Batch<S, C>, tile: usize, rays: u64) {
+    fn add<S, M: Measurement>(&self, batch: &Batch<S, M>, tile: usize, rays: u64) {
         let options = self.input.film.options();
         let mut tile = self.input.film.tile(tile);
         for (job, Sample { radiance, wavelengths, first, .. }) in batch.jobs.iter().zip(&batch.samples) {

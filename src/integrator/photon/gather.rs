@@ -153,6 +153,8 @@ impl<T: Tracer> Tracer for FirstHitDistance<'_, T> {
 }
 
 impl<C: Spectrum> Transport<C> for Gather<C> {
+    type Memory = ();
+
     fn li<S: Sampler, T: Tracer>(
         &self,
         ray: Ray,

@@ -79,6 +79,8 @@ impl RadiosityPicture {
 }
 
 impl Transport<Rgb> for RadiosityPicture {
+    type Memory = ();
+
     fn li<S: Sampler, T: Tracer>(
         &self,
         ray: Ray,

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::GROUP;
-use super::groups::{First, Light, Paths, Second};
+use super::paths::{First, Light, Paths, Second};
 use crate::bsdf::Bsdf;
 use crate::integrator::tracer::Tracer;
 use crate::math::{Ray, Vec3};
@@ -69,12 +69,11 @@ impl<C: Spectrum> Connections<C> {
             }
             connections.push(own);
             for other in group.clone().filter(|other| *other != path) {
-                let depth = first.depth;
-                let Some(first) = &paths.firsts[other] else { continue };
-                if is_limited && first.depth != depth {
+                let Some(from) = &paths.firsts[other] else { continue };
+                if is_limited && from.depth != first.depth {
                     continue;
                 }
-                if let Some((connection, shadow)) = Connection::between(scene, &paths.bsdfs, other, first, second) {
+                if let Some((connection, shadow)) = Connection::between(scene, &paths.bsdfs, other, from, second) {
                     connections.push(connection);
                     shadows.push(shadow);
                 }
@@ -181,21 +180,22 @@ impl<C: Spectrum> Second<C> {
             return;
         }
         let mut light = [C::ZERO; GROUP];
-        let mut f_pdfs = [(C::ZERO, 0.0); GROUP];
-        // f and the density by area and direction together of each connection, and the sum of these densities.
-        let mut scattered = |wi: Vec3| {
+        let mut fs = [C::ZERO; GROUP];
+        // Sets f of each connection, and returns the sum of their densities by area and direction together.
+        let scattered = |wi: Vec3, fs: &mut [C; GROUP]| {
             let mut joint = 0.0;
-            for (connection, (f, pdf)) in clear().zip(&mut f_pdfs) {
-                (*f, *pdf) = self.vertex.f_pdf(scene, &paths.bsdfs, connection.wo, wi);
-                joint += connection.density * *pdf;
+            for (connection, f) in clear().zip(fs) {
+                let pdf;
+                (*f, pdf) = self.vertex.f_pdf(scene, &paths.bsdfs, connection.wo, wi);
+                joint += connection.density * pdf;
             }
-            (f_pdfs, joint)
+            joint
         };
-        let mut arrive = |f_pdfs: &[(C, f32); GROUP], arriving: C, density: f32| {
+        let mut arrive = |fs: &[C; GROUP], arriving: C, density: f32| {
             // The density comes before the light: their quotient may be beyond single precision where what is scattered is not.
             let scale = 1.0 / (density * survival);
             if scale.is_finite() {
-                for (connection, (light, (f, _))) in clear().zip(light.iter_mut().zip(f_pdfs)) {
+                for (connection, (light, f)) in clear().zip(light.iter_mut().zip(fs)) {
                     *light += connection.weight * scale * *f * arriving;
                 }
             }
@@ -203,15 +203,15 @@ impl<C: Spectrum> Second<C> {
         // Light samples are taken at each of the second vertices that a first vertex might have sampled.
         let density = |light: &Light<C>, joint: f32| light.pdf * total + if light.alone { 0.0 } else { joint };
         for sample in self.lights.of(&paths.lights) {
-            let (f_pdfs, joint) = scattered(sample.wi);
-            arrive(&f_pdfs, sample.light, density(sample, joint));
+            let joint = scattered(sample.wi, &mut fs);
+            arrive(&fs, sample.light, density(sample, joint));
         }
         if let Some((wi, _)) = self.bounce {
-            let (f_pdfs, joint) = scattered(wi);
+            let joint = scattered(wi, &mut fs);
             for emission in self.emissions.of(&paths.lights) {
-                arrive(&f_pdfs, emission.light, density(emission, joint));
+                arrive(&fs, emission.light, density(emission, joint));
             }
-            arrive(&f_pdfs, self.beyond * wi.z.abs(), joint);
+            arrive(&fs, self.beyond * wi.z.abs(), joint);
         }
         for (connection, light) in clear().zip(light) {
             add(connection.path as usize, light);

@@ -24,11 +24,12 @@
 mod connect;
 mod groups;
 mod kept;
+mod paths;
 
 pub use groups::Groups;
 
 use super::aim::Aims;
-use super::wave::{Sample, Wave};
+use super::wave::Sample;
 use super::{Context, FirstHit, Path, Tracer, Transport};
 use crate::math::Ray;
 use crate::sampling::Sampler;
@@ -57,6 +58,8 @@ impl PathReuse {
 }
 
 impl<C: Spectrum> Transport<C> for PathReuse {
+    type Memory = Groups<C>;
+
     /// A path by itself.
     #[inline]
     fn li<S: Sampler, T: Tracer>(
@@ -71,20 +74,8 @@ impl<C: Spectrum> Transport<C> for PathReuse {
     const IN_WAVES: bool = true;
     const IN_GROUPS: bool = true;
 
-    /// Paths by themselves.
     #[inline(always)]
     fn li_of_many<S: Sampler, T: Tracer>(
-        &self,
-        scene: &Scene,
-        samples: &mut [Sample<S, C>],
-        wave: &mut Wave<C>,
-        tracer: &mut T,
-    ) {
-        self.path.li_of_many(scene, samples, wave, tracer);
-    }
-
-    #[inline(always)]
-    fn li_of_groups<S: Sampler, T: Tracer>(
         &self,
         scene: &Scene,
         samples: &mut [Sample<S, C>],
