@@ -43,15 +43,12 @@ pub struct RenderDesc {
     pub filter: FilterDesc,
     /// The light transport algorithm.
     pub integrator: IntegratorDesc,
-    /// Whether pixels in groups of 16 share the second hits of their paths, which takes less time to the same error and leaves the
-    /// picture unbiased. The errors of neighbouring pixels, within squares of 8 x 8, are then correlated.
-    ///
-    /// `None` lets them where they can: with [`IntegratorDesc::Path`], also where [`IntegratorDesc::Auto`] chooses it, in three channels,
-    /// with the same number of samples for all pixels, in scenes at rest whose surfaces are opaque and whose media neither absorb nor have
-    /// priorities. `Some(true)` is refused where they cannot, and with any other integrator than `Path`.
+    /// Whether pixels in groups of 16 share the second hits of their paths. Only [`IntegratorDesc::Path`] does so: a render with
+    /// another integrator is refused. The picture stays unbiased, but the errors of neighbouring pixels, within squares of 8 x 8, are
+    /// correlated.
     ///
     /// Source: Bekaert, Sbert and Halton 2002, "Accelerating Path Tracing by Re-Using Paths".
-    pub reuse: Option<bool>,
+    pub reuse: bool,
     /// Whether paths carry wavelengths instead of three channels. Colours become smooth spectra, lights those times D65, and glass
     /// with a [`Dispersion`](super::Dispersion) disperses light; the film has the colours that the standard observer sees.
     pub spectral: bool,
@@ -83,7 +80,7 @@ impl Default for RenderDesc {
             sampler: SamplerDesc::Sobol,
             filter: FilterDesc::Box,
             integrator: IntegratorDesc::Path,
-            reuse: None,
+            reuse: false,
             spectral: false,
             white_balance: None,
             max_depth: None,

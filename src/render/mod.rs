@@ -215,7 +215,18 @@ impl Render {
                 Some(method) => no_wavelengths(method.place_name())?,
             }
         }
-        let shares_hits = shares_hits(scene, &settings, integrator, method.as_ref())?;
+        if desc.reuse {
+            match &method {
+                None => check_reuse(scene, desc)?,
+                Some(method) => {
+                    no_reuse(&format!("{} has no neighbouring pixels", method.place_name()), "false")?;
+                }
+            }
+            if settings.adaptive == Some(true) {
+                let why = "adaptive sampling gives neighbouring pixels different numbers of samples";
+                no_reuse(why, "false, or the same number of samples in all pixels")?;
+            }
+        }
         match method {
             None => check_support(scene, integrator)?,
             Some(_) if scene.has_moving_world() => {
@@ -229,7 +240,7 @@ impl Render {
         let filter = Filter::new(&filter_desc);
         let scene = scene.with_roulette(desc.roulette);
         let method = match method {
-            Method::Path if shares_hits => {
+            Method::Path if desc.reuse => {
                 let path = Path { max_depth: desc.max_depth, shadow_rays: desc.shadow_rays };
                 Method::Reuse(PathReuse::new(&scene, path))
             }
@@ -250,14 +261,14 @@ impl Render {
             gathering: plan.as_ref().is_some_and(Maps::remembers),
         })?;
         let pixels = desc.film_size().map(u64::from).into_iter().product::<u64>();
-        let adaptive =
-            match (settings.adaptive.unwrap_or(settings.target_error.is_some() && !shares_hits), desc.sampler) {
-                (false, _) => Ok(false),
-                (true, _) if pass_samples.is_some() => Err("the photon maps of a pass are for all pixels"),
-                (true, _) if pixels < MIN_PIXELS => Err("the image is too small for a choice among pixels"),
-                (true, SamplerDesc::Sobol | SamplerDesc::Random) => Ok(true),
-                (true, _) => Err("the sampler's pattern is planned for its number of samples"),
-            };
+        let adaptive = match (settings.adaptive.unwrap_or(settings.target_error.is_some()), desc.sampler) {
+            (false, _) => Ok(false),
+            (true, _) if pass_samples.is_some() => Err("the photon maps of a pass are for all pixels"),
+            (true, _) if pixels < MIN_PIXELS => Err("the image is too small for a choice among pixels"),
+            (true, _) if desc.reuse => Err("neighbouring pixels share the hits of each sample"),
+            (true, SamplerDesc::Sobol | SamplerDesc::Random) => Ok(true),
+            (true, _) => Err("the sampler's pattern is planned for its number of samples"),
+        };
         let workers = match &settings.workers {
             Some(workers) => workers.clone(),
             None => Workers::pool(settings.threads)?,
@@ -557,7 +568,6 @@ impl Render {
             samples: self.samples,
             sample_counts: self.film.counts_unless(cancel),
             adaptive: self.stage.is_some(),
-            reuse: matches!(self.method, Method::Reuse(_)),
             rays: self.rays,
             rel_mse,
             display_error: self.film.error_unless(ErrorMeasure::Display, cancel),
@@ -567,37 +577,6 @@ impl Render {
             non_finite_samples: self.non_finite_samples.clone(),
             notes,
         }
-    }
-}
-
-/// Whether the pixels of a render share hits. `method`: that of a render of places of their own.
-///
-/// # Errors
-/// [`ErrorKind::Unsupported`] where the settings ask for it and it cannot be done.
-fn shares_hits(
-    scene: &Scene,
-    settings: &RenderSettings,
-    integrator: IntegratorDesc,
-    method: Option<&Method>,
-) -> Result<bool> {
-    let desc = &settings.desc;
-    // Whether a picture that was asked for can be rendered must not depend on what is chosen for the scene.
-    let asked = if desc.reuse == Some(true) { desc.integrator } else { integrator };
-    let allowed = match method {
-        Some(method) => no_reuse(&format!("{} has no neighbouring pixels", method.place_name()), "false"),
-        None => check_reuse(scene, asked, desc),
-    };
-    let allowed = allowed.and_then(|()| match settings.adaptive {
-        Some(true) => {
-            let why = "adaptive sampling gives neighbouring pixels different numbers of samples";
-            no_reuse(why, "false, or the same number of samples in all pixels")
-        }
-        _ => Ok(()),
-    });
-    match desc.reuse {
-        Some(true) => allowed.map(|()| true),
-        Some(false) => Ok(false),
-        None => Ok(allowed.is_ok()),
     }
 }
 

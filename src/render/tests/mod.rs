@@ -150,11 +150,10 @@ struct Effort {
 }
 
 impl Effort {
-    /// So many seeds, samples per pixel and light paths of a map. Pixels share no hits.
+    /// So many seeds, samples per pixel and light paths of a map.
     fn new(seeds: u64, samples: u32, photons: u32) -> Self {
         let photons = PhotonDesc { count: Some(photons), caustic_count: Some(photons), ..PhotonDesc::default() };
-        let reuse = Some(false);
-        Self { seeds, desc: RenderDesc { resolution: [12; 2], samples, photons, reuse, ..RenderDesc::default() } }
+        Self { seeds, desc: RenderDesc { resolution: [12; 2], samples, photons, ..RenderDesc::default() } }
     }
 }
 
