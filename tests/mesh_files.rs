@@ -578,6 +578,34 @@ fn broken_stl_text_is_refused_with_its_line() {
     assert!(refusal("m.stl", long.as_bytes()).contains("1: the line is longer than 16777216 bytes"));
 }
 
+/// A byte order mark is skipped; what is no text of lines is refused by its cause.
+#[test]
+fn obj_files_begin_and_end_their_lines_in_other_ways() {
+    let plain = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    let (expected, _) = load("m.obj", plain.as_bytes()).unwrap();
+    for text in [format!("\u{feff}{plain}"), plain.replace('\n', "\r\n"), format!("# a\rcomm\0ent\n{plain}")] {
+        let (mesh, _) = load("m.obj", text.as_bytes()).unwrap();
+        assert_eq!(
+            (mesh.positions, mesh.triangles),
+            (expected.positions.clone(), expected.triangles.clone()),
+            "{text:?}"
+        );
+    }
+    let old = plain.replace('\n', "\r");
+    let wide = |order: fn(u16) -> [u8; 2]| plain.encode_utf16().flat_map(order).collect::<Vec<u8>>();
+    for (bytes, message) in [
+        (old.clone().into_bytes(), "1: the line holds a carriage return (CR)"),
+        (format!("# a comment\r{old}").into_bytes(), "1: the line holds a carriage return (CR)"),
+        (b"v 0 0 0\nv 1 0 0\rv 0 1 0\nf 1 2 3\n".to_vec(), "2: the line holds a carriage return (CR)"),
+        (b"v 0 0 0\nv 1 0 0\0\nv 0 1 0\nf 1 2 3\n".to_vec(), "2: the line holds a NUL byte"),
+        (wide(u16::to_le_bytes), "1: the line holds a NUL byte"),
+        ([b"\xfe\xff".to_vec(), wide(u16::to_be_bytes)].concat(), "1: the line holds a NUL byte"),
+    ] {
+        let found = refusal("m.obj", &bytes);
+        assert!(found.starts_with(message), "{:?}: {found}", String::from_utf8_lossy(&bytes));
+    }
+}
+
 /// A shared mesh may keep what is left out otherwise, and is then another mesh than that of the same file without.
 #[test]
 fn degenerate_triangles_are_kept_where_a_scene_asks_for_it() {
@@ -840,7 +868,7 @@ fn files_of_other_programs_are_read_or_refused() {
 
 /// Files that hold no faces, or that are broken, and why.
 const REFUSED: &[(&str, &str)] = &[
-    ("OBJ/box_UTF16BE.obj", "the file holds no faces"),
+    ("OBJ/box_UTF16BE.obj", "the line holds a NUL byte"),
     ("OBJ/number_formats.obj", "'3.1+e2' is not a finite number"),
     ("OBJ/point_cloud.obj", "the file holds no faces"),
     ("OBJ/testline.obj", "the file holds no faces"),

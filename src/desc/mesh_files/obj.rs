@@ -12,6 +12,9 @@ use crate::Result;
 use crate::desc::MeshDesc;
 use crate::math::DVec3;
 
+/// U+FEFF in UTF-8, with which some programs begin a file.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
 /// Reads a file, and which material each triangle has if `uses` is given.
 pub(super) fn read(
     source: Source<'_>,
@@ -99,6 +102,21 @@ fn merge(models: Vec<tobj::Model>, place: Place<'_>) -> Result<MeshDesc, String>
     Ok(mesh)
 }
 
+/// Refuses a line, with its end, of a file that is no text or whose lines end in another way.
+fn check_text(line: &[u8]) -> Result<(), String> {
+    // A comment may have any encoding, unless it is all that is left of the file.
+    if line.trim_ascii_start().starts_with(b"#") && line.ends_with(b"\n") {
+        return Ok(());
+    }
+    if line.contains(&0) {
+        return Err("the line holds a NUL byte, expected text in UTF-8; is the file binary or in UTF-16?".to_owned());
+    }
+    if line.trim_ascii_end().contains(&b'\r') {
+        return Err("the line holds a carriage return (CR), expected lines that end with LF or CR LF".to_owned());
+    }
+    Ok(())
+}
+
 /// A line-wise reader that passes on only checked geometry.
 struct Lines<R> {
     inner: R,
@@ -166,6 +184,10 @@ impl<R: BufRead> Lines<R> {
                     }
                 }
                 self.line += 1;
+                if self.line == 1 && self.ready.starts_with(BYTE_ORDER_MARK) {
+                    self.ready.drain(..BYTE_ORDER_MARK.len());
+                }
+                check_text(&self.ready[before..])?;
                 if self.ready.len() > LINE_LIMIT {
                     return Err(format!("the line is longer than {LINE_LIMIT} bytes; is it a Wavefront OBJ file?"));
                 }
