@@ -4502,7 +4502,8 @@ etd_status etd_render_start(struct etd_scene *scene,
 
 /**
  * Returns the state of a task: `ETD_RUNNING`, or how the task ended, which is `ETD_OK`, `ETD_CANCELLED` or an error. The
- * message of an error becomes this thread's last one.
+ * message of an error becomes this thread's last one. The device's `error` function and `etd_task_status` hear of it from the first
+ * call that returns it.
  *
  * `out_progress`: receives the progress, unless it is NULL. The call never waits. Thread-safe.
  */

@@ -8,7 +8,7 @@ use std::time::Duration;
 use super::boundary::{Header, Object, boundary, give, need, object, on, peek, release, take_status, write_sized};
 use super::film::etd_film;
 use super::scene::etd_scene;
-use super::status::{ETD_INVALID_HANDLE, ETD_OK, ETD_RUNNING, Failure, etd_status};
+use super::status::{ETD_INVALID_HANDLE, ETD_OK, ETD_RUNNING, Failure, Result, etd_status};
 use super::types::{etd_progress, etd_render_options};
 use super::work::RenderWork;
 
@@ -75,7 +75,8 @@ pub unsafe extern "C" fn etd_render_start(
 }
 
 /// Returns the state of a task: `ETD_RUNNING`, or how the task ended, which is `ETD_OK`, `ETD_CANCELLED` or an error. The
-/// message of an error becomes this thread's last one.
+/// message of an error becomes this thread's last one. The device's `error` function and `etd_task_status` hear of it from the first
+/// call that returns it.
 ///
 /// `out_progress`: receives the progress, unless it is NULL. The call never waits. Thread-safe.
 ///
@@ -83,19 +84,16 @@ pub unsafe extern "C" fn etd_render_start(
 /// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_task_poll(task: *mut etd_task, out_progress: *mut etd_progress) -> etd_status {
-    let mut running = false;
     // SAFETY: the caller keeps this function's contract.
-    let status = unsafe {
-        on(task, |task| {
+    unsafe {
+        on_outcome(task, |task| {
             let (progress, outcome) = task.work.progress_and_outcome();
             if !out_progress.is_null() {
                 write_sized(out_progress, "out_progress", progress)?;
             }
-            running = outcome.is_none();
-            outcome.unwrap_or(Ok(()))
+            Ok(outcome)
         })
-    };
-    if running && status == ETD_OK { ETD_RUNNING } else { status }
+    }
 }
 
 /// Waits until a task has ended, for `seconds` at most (below 0: without a limit), and returns the same as `etd_task_poll`.
@@ -107,10 +105,9 @@ pub unsafe extern "C" fn etd_task_poll(task: *mut etd_task, out_progress: *mut e
 /// `task` must be NULL or a task.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_task_wait(task: *mut etd_task, seconds: f64) -> etd_status {
-    let mut running = false;
     // SAFETY: the caller keeps this function's contract.
-    let status = unsafe {
-        on(task, |task| {
+    unsafe {
+        on_outcome(task, |task| {
             if task.work.is_active_here() {
                 return Err(Failure::operation("a function that the task calls cannot wait for the task"));
             }
@@ -118,12 +115,37 @@ pub unsafe extern "C" fn etd_task_wait(task: *mut etd_task, seconds: f64) -> etd
                 return Err(Failure::argument("seconds is NaN"));
             }
             let limit = (seconds >= 0.0).then(|| Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX));
-            let outcome = task.work.wait(limit);
-            running = outcome.is_none();
-            outcome.unwrap_or(Ok(()))
+            Ok(task.work.wait(limit))
+        })
+    }
+}
+
+/// Runs a call that says how a task ended, as `ask` finds out; `None` while it runs. The task and the host's `error` function hear once
+/// for each run that it failed. Later calls make the failure their thread's last error and no more.
+///
+/// # Safety
+/// `task` must be NULL or a task.
+unsafe fn on_outcome(task: *const etd_task, ask: impl FnOnce(&Arc<etd_task>) -> Result<Option<Result>>) -> etd_status {
+    let (mut is_running, mut known) = (false, None);
+    // SAFETY: the caller keeps this function's contract.
+    let status = unsafe {
+        on(task, |task| match ask(task)? {
+            None => {
+                is_running = true;
+                Ok(())
+            }
+            Some(Err(failure)) if !task.work.is_news() => {
+                known = Some(failure);
+                Ok(())
+            }
+            Some(outcome) => outcome,
         })
     };
-    if running && status == ETD_OK { ETD_RUNNING } else { status }
+    match known {
+        Some(failure) => boundary(None, || Err(failure)),
+        None if is_running && status == ETD_OK => ETD_RUNNING,
+        None => status,
+    }
 }
 
 /// Asks a task to end soon, in any phase, and returns at once. The task ends with `ETD_CANCELLED`, unless it has already

@@ -56,6 +56,8 @@ struct WorkState {
     has_begun: bool,
     /// The outcome of the current run; `None` while it runs.
     outcome: Option<Result>,
+    /// Whether the host has heard that the current run failed.
+    is_told: bool,
     /// Whether the current run has ended and no function of the host is called any more.
     is_over: bool,
     /// Whether the render is complete, so that there is nothing to resume.
@@ -100,6 +102,7 @@ impl RenderWork {
                 previous_outcome: None,
                 has_begun: false,
                 outcome: None,
+                is_told: false,
                 is_over: false,
                 is_complete: false,
                 thread: None,
@@ -324,6 +327,7 @@ impl RenderWork {
             state.run += 1;
             state.has_begun = false;
             state.previous_outcome = state.outcome.take();
+            state.is_told = false;
             state.is_over = false;
             state.cancel = Cancel::new();
             state.progress = initial_progress(ETD_PHASE_RENDER);
@@ -341,6 +345,11 @@ impl RenderWork {
     pub fn progress_and_outcome(&self) -> (etd_progress, Option<Result>) {
         let state = lock(&self.state);
         (state.progress, state.outcome.clone())
+    }
+
+    /// Whether the host has not heard yet that the current run failed. From this call on it has.
+    pub fn is_news(&self) -> bool {
+        !std::mem::replace(&mut lock(&self.state).is_told, true)
     }
 
     /// Asks the current run to end. A run that no thread has begun ends here.

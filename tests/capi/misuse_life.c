@@ -415,8 +415,11 @@ static void listen_error(void *user_data, etd_status status, const char *message
 static void listeners(void) {
     struct listener it;
     etd_device_options options = ETD_DEVICE_OPTIONS_INIT;
+    etd_render_options render = ETD_RENDER_OPTIONS_INIT;
     etd_scene *scene;
     etd_film *film;
+    etd_task *task = NULL;
+    int run;
     memset(&it, 0, sizeof it);
     pthread_mutex_init(&it.lock, NULL);
     options.threads = 2;
@@ -434,6 +437,30 @@ static void listeners(void) {
     CHECK(strstr(etd_last_error_message(), "camera") != NULL); /* not that of the call in the callback */
     CHECK_STATUS(etd_film_write(film, "x.png", NULL), ETD_INVALID_OPERATION);
     CHECK(it.errors == 2);
+    /* However often a task is asked, it reports once how a run ended. */
+    render.samples = 1u << 20;
+    for (run = 0; run < 2; ++run) {
+        const int errors = it.errors;
+        if (run == 0) {
+            CHECK_OK(etd_render_start(scene, film, &render, &task));
+        } else {
+            CHECK_OK(etd_task_resume(task));
+        }
+        CHECK_STATUS(etd_task_poll(task, NULL), ETD_RUNNING);
+        CHECK(it.errors == errors);
+        CHECK_OK(etd_task_cancel(task));
+        CHECK_STATUS(etd_task_wait(task, -1), ETD_CANCELLED);
+        CHECK(it.errors == errors + 1);
+        CHECK_STATUS(etd_film_new(NULL, NULL, NULL), ETD_INVALID_ARGUMENT);
+        CHECK_STATUS(etd_task_poll(task, NULL), ETD_CANCELLED);
+        CHECK(strstr(etd_last_error_message(), "cancelled") != NULL);
+        CHECK_STATUS(etd_task_wait(task, 1), ETD_CANCELLED);
+        CHECK(it.errors == errors + 1);
+        CHECK_STATUS(etd_task_status(task, NULL, 0), ETD_CANCELLED);
+        CHECK_STATUS(etd_task_poll(task, NULL), ETD_CANCELLED);
+        CHECK_OK(etd_task_status(task, NULL, 0));
+    }
+    etd_task_release(task);
     etd_film_release(film);
     etd_scene_release(scene);
     etd_device_release(it.device);
