@@ -10,7 +10,7 @@ use super::film::etd_film;
 use super::scene::etd_scene;
 use super::status::{ETD_INVALID_HANDLE, ETD_OK, ETD_RUNNING, Failure, Result, etd_status};
 use super::types::{etd_progress, etd_render_options};
-use super::work::RenderWork;
+use super::work::{End, RenderWork};
 
 /// A started render.
 pub struct etd_task {
@@ -87,11 +87,11 @@ pub unsafe extern "C" fn etd_task_poll(task: *mut etd_task, out_progress: *mut e
     // SAFETY: the caller keeps this function's contract.
     unsafe {
         on_outcome(task, |task| {
-            let (progress, outcome) = task.work.progress_and_outcome();
+            let (progress, end) = task.work.progress_and_end();
             if !out_progress.is_null() {
                 write_sized(out_progress, "out_progress", progress)?;
             }
-            Ok(outcome)
+            Ok(end)
         })
     }
 }
@@ -125,7 +125,7 @@ pub unsafe extern "C" fn etd_task_wait(task: *mut etd_task, seconds: f64) -> etd
 ///
 /// # Safety
 /// `task` must be NULL or a task.
-unsafe fn on_outcome(task: *const etd_task, ask: impl FnOnce(&Arc<etd_task>) -> Result<Option<Result>>) -> etd_status {
+unsafe fn on_outcome(task: *const etd_task, ask: impl FnOnce(&Arc<etd_task>) -> Result<Option<End>>) -> etd_status {
     let (mut is_running, mut known) = (false, None);
     // SAFETY: the caller keeps this function's contract.
     let status = unsafe {
@@ -134,11 +134,11 @@ unsafe fn on_outcome(task: *const etd_task, ask: impl FnOnce(&Arc<etd_task>) -> 
                 is_running = true;
                 Ok(())
             }
-            Some(Err(failure)) if !task.work.is_news() => {
+            Some(End { run, outcome: Err(failure) }) if !task.work.is_news(run) => {
                 known = Some(failure);
                 Ok(())
             }
-            Some(outcome) => outcome,
+            Some(End { outcome, .. }) => outcome,
         })
     };
     match known {

@@ -56,14 +56,21 @@ struct WorkState {
     has_begun: bool,
     /// The outcome of the current run; `None` while it runs.
     outcome: Option<Result>,
-    /// Whether the host has heard that the current run failed.
-    is_told: bool,
+    /// The last run of which the host has heard how it ended.
+    told: Option<u64>,
     /// Whether the current run has ended and no function of the host is called any more.
     is_over: bool,
     /// Whether the render is complete, so that there is nothing to resume.
     is_complete: bool,
     /// The thread of a run and the number of the run, where the run has a thread of its own.
     thread: Option<(u64, JoinHandle<()>)>,
+}
+
+/// How a run ended.
+pub(super) struct End {
+    /// Number of the run.
+    pub run: u64,
+    pub outcome: Result,
 }
 
 impl RenderWork {
@@ -102,7 +109,7 @@ impl RenderWork {
                 previous_outcome: None,
                 has_begun: false,
                 outcome: None,
-                is_told: false,
+                told: None,
                 is_over: false,
                 is_complete: false,
                 thread: None,
@@ -327,7 +334,6 @@ impl RenderWork {
             state.run += 1;
             state.has_begun = false;
             state.previous_outcome = state.outcome.take();
-            state.is_told = false;
             state.is_over = false;
             state.cancel = Cancel::new();
             state.progress = initial_progress(ETD_PHASE_RENDER);
@@ -341,15 +347,18 @@ impl RenderWork {
         self.start(run, true)
     }
 
-    /// The progress, and the outcome if the current run has ended.
-    pub fn progress_and_outcome(&self) -> (etd_progress, Option<Result>) {
+    /// The progress, and how the current run ended if it has.
+    pub fn progress_and_end(&self) -> (etd_progress, Option<End>) {
         let state = lock(&self.state);
-        (state.progress, state.outcome.clone())
+        (state.progress, state.outcome.clone().map(|outcome| End { run: state.run, outcome }))
     }
 
-    /// Whether the host has not heard yet that the current run failed. From this call on it has.
-    pub fn is_news(&self) -> bool {
-        !std::mem::replace(&mut lock(&self.state).is_told, true)
+    /// Whether the host has not heard yet how this run ended. From this call on it has.
+    pub fn is_news(&self, run: u64) -> bool {
+        let mut state = lock(&self.state);
+        let is_news = state.told < Some(run);
+        state.told = state.told.max(Some(run));
+        is_news
     }
 
     /// Asks the current run to end. A run that no thread has begun ends here.
@@ -366,8 +375,8 @@ impl RenderWork {
         }
     }
 
-    /// Waits until the current run is over, for at most `limit`. Returns the outcome, or `None` if the run is not over.
-    pub fn wait(&self, limit: Option<Duration>) -> Option<Result> {
+    /// Waits until the current run is over, for at most `limit`. Returns how it ended, or `None` if the run is not over.
+    pub fn wait(&self, limit: Option<Duration>) -> Option<End> {
         let state = lock(&self.state);
         let run = state.run;
         let goes_on = |state: &mut WorkState| state.run == run && !state.is_over;
@@ -392,7 +401,7 @@ impl RenderWork {
         if let Some((_, thread)) = thread {
             let _ = thread.join();
         }
-        outcome
+        outcome.map(|outcome| End { run, outcome })
     }
 }
 
