@@ -2078,9 +2078,9 @@ typedef struct etd_render_options {
     etd_error_measure error_measure;
     /**
      * An `etd_switch`: whether pixels with larger errors get more samples; `samples` is then the mean over pixels. On by default
-     * if `target_error` is set. It needs the sampler `ETD_SAMPLER_SOBOL` or `ETD_SAMPLER_RANDOM`, and an integrator that does not
-     * build photon maps for each pass. Otherwise all pixels get the same number of samples, and the log callback receives a
-     * warning.
+     * if `target_error` is set and `reuse` is not on. It needs the sampler `ETD_SAMPLER_SOBOL` or `ETD_SAMPLER_RANDOM`, and an
+     * integrator that does not build photon maps for each pass. Otherwise all pixels get the same number of samples, and the log
+     * callback receives a warning.
      */
     etd_switch adaptive;
     /**
@@ -2154,10 +2154,11 @@ typedef struct etd_render_options {
      */
     double sensor_bands[2];
     /**
-     * An `etd_switch`: whether pixels in groups of 16 share the second hits of their paths, by `ETD_INTEGRATOR_PATH` alone. The picture
-     * stays unbiased, but the errors of neighbouring pixels, within squares of 8 x 8, are correlated. It is refused with `spectral`, with
-     * `adaptive` on, for light maps and light at given points, and for scenes in which something moves, is not opaque, or has media
-     * that absorb or have priorities. Off by default.
+     * An `etd_switch`: whether pixels in groups of 16 share the second hits of their paths, by `ETD_INTEGRATOR_PATH` alone. Most
+     * scenes take less time to the same error so, and the picture stays unbiased, but the errors of neighbouring pixels, within squares of
+     * 8 x 8, are correlated. On is refused with `spectral`, with `adaptive` on, for light maps and light at given points, and for scenes in which
+     * something moves, is not opaque, or has media that absorb or have priorities. By default, a pilot of a long render says, where it is not
+     * refused.
      */
     etd_switch reuse;
     /**

@@ -403,9 +403,13 @@ fn pixels_share_hits_where_that_is_asked_for() {
         let stats: serde_json::Value = serde_json::from_str(&text).unwrap();
         stats["settings"]["reuse"].as_bool().unwrap()
     };
+    described["render"]["integrator"] = serde_json::json!({"type": "path", "reuse": false});
+    fs::write(folder.path().join("alone.json"), described.to_string()).unwrap();
     let plain = scene("cornell.json");
+    // A pilot for so few samples would not pay.
     assert!(!shares(&plain, &[]) && !shares(&plain, &["--reuse=off"]));
     assert!(shares(&plain, &["--reuse"]) && shares(&plain, &["--reuse=on"]));
+    assert!(!shares("alone.json", &[]) && shares("alone.json", &["--reuse"]));
     assert!(shares("shared.json", &[]) && !shares("shared.json", &["--reuse=off"]));
     // Another integrator takes the place of the scene's together with its settings.
     assert!(!shares("shared.json", &["--integrator", "direct"]) && !shares("shared.json", &["--integrator", "path"]));

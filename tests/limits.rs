@@ -7,11 +7,11 @@ use std::path::Path;
 use std::time::Duration;
 
 use common::scenes::{box_inside, camera, point_light, scene};
-use etendue::desc::{self, BsdfDesc, IntegratorDesc, RenderDesc, SceneDesc, ShapeDesc, ShutterDesc};
+use etendue::desc::{self, BsdfDesc, CropDesc, IntegratorDesc, RenderDesc, SceneDesc, ShapeDesc, ShutterDesc};
 use etendue::film::Image;
 use etendue::integrator::{Probe, ProbeQuantity};
 use etendue::math::DVec3;
-use etendue::render::{Ended, MOST_SAMPLES, Render, RenderSettings, Summary, Workers};
+use etendue::render::{Ended, MOST_SAMPLES, Progress, Render, RenderSettings, Summary, Workers};
 use etendue::scene::{BuildOptions, Scene};
 use etendue::spectrum::Rgb;
 use etendue::{Cancel, ErrorKind};
@@ -158,7 +158,7 @@ fn ball(camera: &str, material: &str, surface: &str) -> SceneDesc {
 const WHITE: &str = r#""type": "diffuse", "color": [0.8, 0.8, 0.8]"#;
 
 fn shared() -> RenderDesc {
-    RenderDesc { resolution: [16, 16], samples: 4, reuse: true, ..RenderDesc::default() }
+    RenderDesc { resolution: [16, 16], samples: 4, reuse: Some(true), ..RenderDesc::default() }
 }
 
 /// Asserts that hits are not shared among pixels, for this reason.
@@ -202,13 +202,82 @@ fn pixels_that_share_hits_have_the_same_number_of_samples_for_a_target() {
         ..RenderSettings::default()
     };
     let (image, summary) = run(&diffuse(), settings.clone());
-    assert!(summary.ended == Ended::Error && !summary.adaptive);
-    let note = "all pixels had the same number of samples: neighbouring pixels share the hits of each sample";
-    assert!(summary.notes.iter().any(|given| given == note), "{:?}", summary.notes);
+    assert!(summary.ended == Ended::Error && summary.reuse && !summary.adaptive, "{:?}", summary.notes);
     let counts = &image.layer("samples").unwrap().data;
     assert!(counts.iter().all(|count| *count == counts[0]));
-    let (_, summary) = run(&diffuse(), RenderSettings { adaptive: Some(false), ..settings });
-    assert!(!summary.notes.iter().any(|given| given == note), "{:?}", summary.notes);
+    let alone = RenderDesc { reuse: Some(false), ..settings.desc.clone() };
+    let (_, summary) = run(&diffuse(), RenderSettings { desc: alone, ..settings });
+    assert!(summary.adaptive && !summary.reuse);
+}
+
+/// Whether pixels share hits, if a render is stopped after its first pass.
+fn shares_hits(scene: &Scene, settings: RenderSettings) -> bool {
+    let is_asked_for = settings.desc.reuse.is_some();
+    let mut render = Render::new(scene, settings).unwrap();
+    let mut stop = |report: &Progress| match report.samples_done {
+        0 => ControlFlow::Continue(()),
+        _ => ControlFlow::Break(()),
+    };
+    let summary = render.run(&mut stop).unwrap();
+    let note =
+        summary.notes.iter().any(|note| note.starts_with("pixels shared hits: a pilot expected the same error in "));
+    assert!(note == (summary.reuse && !is_asked_for), "{:?}", summary.notes);
+    summary.reuse
+}
+
+/// By themselves, pixels share hits where a pilot says so, in long renders in which they can.
+#[test]
+fn a_pilot_says_whether_pixels_share_hits() {
+    let with = |desc: RenderDesc| RenderSettings { desc, threads: 1, ..RenderSettings::default() };
+    let long = RenderDesc { resolution: [64, 64], samples: 1000, ..RenderDesc::default() };
+    let diffuse = diffuse();
+    let shares = |desc: RenderDesc| shares_hits(&diffuse, with(desc));
+    assert!(shares(long.clone()));
+    // The seed of the render, its threads and a part of the picture change nothing.
+    let crop = Some(CropDesc { left: 7, top: 9, width: 3, height: 5 });
+    assert!(shares(RenderDesc { crop, seed: 5, ..long.clone() }));
+    assert!(shares_hits(&diffuse, RenderSettings { threads: 2, ..with(long.clone()) }));
+    assert!(shares(RenderDesc { integrator: IntegratorDesc::Auto, ..long.clone() }));
+
+    // Where the noise is that of the lens and of direct light, sharing brings nothing.
+    let desc = desc::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/depth-of-field.json"), None).unwrap();
+    let lens = Scene::build(&desc, &BuildOptions::default()).unwrap();
+    assert!(!shares_hits(&lens, with(long.clone())));
+
+    assert!(!shares(RenderDesc { reuse: Some(false), ..long.clone() }));
+    assert!(!shares(RenderDesc { samples: 500, ..long.clone() }));
+    assert!(!shares(RenderDesc { resolution: [40, 100], ..long.clone() }));
+    for integrator in [IntegratorDesc::Whitted, IntegratorDesc::Direct, IntegratorDesc::Sppm] {
+        assert!(!shares(RenderDesc { integrator, ..long.clone() }), "{}", integrator.name());
+    }
+    assert!(!shares(RenderDesc { spectral: true, ..long.clone() }));
+    let others = |settings: RenderSettings| shares_hits(&diffuse, settings);
+    assert!(!others(RenderSettings { adaptive: Some(true), ..with(long.clone()) }));
+    assert!(!others(RenderSettings { target_error: Some(0.1), ..with(long.clone()) }));
+    assert!(others(RenderSettings { target_error: Some(0.1), adaptive: Some(false), ..with(long.clone()) }));
+    let limited = |seconds| RenderSettings { time_limit: Some(Duration::from_secs(seconds)), ..with(long.clone()) };
+    assert!(!others(limited(9)) && others(limited(60)));
+}
+
+/// A render that is stopped in its pilot makes the pilot again, and comes to the same picture.
+#[test]
+fn a_pilot_that_was_stopped_is_made_again() {
+    let scene = diffuse();
+    // Long enough for a report before it is done.
+    let desc = RenderDesc { resolution: [80, 80], samples: MOST_SAMPLES, shadow_rays: 8, ..RenderDesc::default() };
+    let settings = RenderSettings { desc, threads: 1, ..RenderSettings::default() };
+    let one_pass = |render: &mut Render| {
+        let mut stop = |report: &Progress| match report.samples_done {
+            0 => ControlFlow::Continue(()),
+            _ => ControlFlow::Break(()),
+        };
+        assert!(render.run(&mut stop).unwrap().reuse);
+        render.image().rgb
+    };
+    let mut stopped = Render::new(&scene, settings.clone()).unwrap();
+    let summary = stopped.run(&mut |_| ControlFlow::Break(())).unwrap();
+    assert!(summary.ended == Ended::Cancelled && !summary.reuse && summary.samples == 0, "{summary:?}");
+    assert_eq!(one_pass(&mut stopped), one_pass(&mut Render::new(&scene, settings).unwrap()));
 }
 
 #[test]

@@ -27,7 +27,7 @@ fn room(quad: BsdfDesc) -> SceneDesc {
 fn run(desc: &SceneDesc, (integrator, reuse): (IntegratorDesc, bool), threads: usize) -> (Render, Summary) {
     let scene = Scene::build(desc, &BuildOptions::default()).unwrap();
     let desc = Job { resolution: [40, 24], samples: 64, integrator, ..Job::default() }.desc();
-    let desc = RenderDesc { reuse, ..desc };
+    let desc = RenderDesc { reuse: Some(reuse), ..desc };
     let mut render = Render::new(&scene, RenderSettings { desc, threads, ..RenderSettings::default() }).unwrap();
     let summary = render.run(&mut |_| ControlFlow::Continue(())).unwrap();
     (render, summary)

@@ -195,10 +195,10 @@ fn render_blocks_are_read_with_every_key() {
         assert_eq!(render(&format!("\"integrator\": {{\"type\": \"{name}\"}}")).integrator, integrator);
     }
     for (text, reuse) in [
-        (r#"{"type": "path", "reuse": true}"#, true),
-        (r#"{"type": "path", "reuse": false}"#, false),
-        (r#"{"type": "path"}"#, false),
-        (r#""path""#, false),
+        (r#"{"type": "path", "reuse": true}"#, Some(true)),
+        (r#"{"type": "path", "reuse": false}"#, Some(false)),
+        (r#"{"type": "path"}"#, None),
+        (r#""path""#, None),
     ] {
         assert_eq!(render(&format!("\"integrator\": {text}")), RenderDesc { reuse, ..RenderDesc::default() });
     }
@@ -1427,7 +1427,7 @@ fn a_render_block_lies_over_settings_that_stay() {
     assert_eq!(over, expected);
     assert_eq!(desc::apply_render("{}", "", None, &base).unwrap(), base);
     // An integrator takes the place of another one together with its settings.
-    let shared = RenderDesc { reuse: true, ..base.clone() };
+    let shared = RenderDesc { reuse: Some(true), ..base.clone() };
     assert_eq!(desc::apply_render("{}", "", None, &shared).unwrap(), shared);
     assert_eq!(desc::apply_render(r#"{"integrator": "path"}"#, "", None, &shared).unwrap(), base);
     for (path, complaint) in [

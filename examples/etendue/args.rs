@@ -94,7 +94,7 @@ pub struct RenderArgs {
     /// Stop when the estimated error of what a screen shows is no larger than this, in levels of 255, such as 2.
     #[arg(long, value_name = "LEVELS", value_parser = parse_error, conflicts_with = "target_error")]
     pub target_display: Option<f64>,
-    /// More samples for pixels with more error; alone it means on. On by itself where an error is aimed at.
+    /// More samples for pixels with more error; alone it means on. On by itself where an error is aimed at without --reuse.
     #[arg(long, value_name = "on|off", value_enum, num_args = 0..=1, require_equals = true)]
     #[arg(default_missing_value = "on", hide_possible_values = true)]
     pub adaptive: Option<Switch>,
@@ -111,7 +111,7 @@ pub struct RenderArgs {
     #[arg(long, value_enum)]
     pub integrator: Option<Integrator>,
     /// Pixels in groups of 16 share the second hits of their paths; alone it means on. Only with the integrator path. In place of the
-    /// choice of the scene, or off with --integrator.
+    /// choice of the scene; by default, a pilot of long renders says.
     #[arg(long, value_name = "on|off", value_enum, num_args = 0..=1, require_equals = true)]
     #[arg(default_missing_value = "on", hide_possible_values = true)]
     pub reuse: Option<Switch>,
@@ -701,7 +701,10 @@ impl RenderArgs {
             filter: self.filter.unwrap_or(scene.filter),
             integrator: self.integrator.map_or(scene.integrator, |Integrator(integrator)| integrator),
             // Another integrator takes the place of the scene's together with its settings, as in a file.
-            reuse: self.reuse.map_or(scene.reuse && self.integrator.is_none(), |reuse| reuse == Switch::On),
+            reuse: match self.reuse {
+                None => scene.reuse.filter(|_| self.integrator.is_none()),
+                Some(reuse) => Some(reuse == Switch::On),
+            },
             spectral: self.spectral.map_or(scene.spectral, |spectral| spectral == Switch::On),
             white_balance: self.white_balance.map_or(scene.white_balance, |White(white)| Some(white)),
             max_depth: self.max_depth.map_or(scene.max_depth, |depth| depth.0),

@@ -104,7 +104,7 @@ impl Stats {
                 sampler: format!("{:?}", desc.sampler).to_lowercase(),
                 filter: format!("{:?}", desc.filter),
                 spp: (desc.samples < MOST_SAMPLES).then_some(desc.samples),
-                reuse: desc.reuse,
+                reuse: summary.reuse,
                 spectral: desc.spectral,
                 white_balance: desc.white_balance,
                 max_depth: desc.max_depth,

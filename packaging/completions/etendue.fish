@@ -47,7 +47,7 @@ complete -c etendue -n "__fish_etendue_using_subcommand render" -l spp -d 'Sampl
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l time -d 'Stop after so many seconds. With --spp, at whichever comes first; without, the scene\'s samples do not count' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l target-error -d 'Stop when the estimated relMSE of the image is no larger than this, such as 0.001' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l target-display -d 'Stop when the estimated error of what a screen shows is no larger than this, in levels of 255, such as 2' -r
-complete -c etendue -n "__fish_etendue_using_subcommand render" -l adaptive -d 'More samples for pixels with more error; alone it means on. On by itself where an error is aimed at' -r -f -a "on\t''
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l adaptive -d 'More samples for pixels with more error; alone it means on. On by itself where an error is aimed at without --reuse' -r -f -a "on\t''
 off\t''"
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l seed -d 'Seed of all randomness, in place of the scene\'s' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l resolution -d 'Width and height in pixels, such as 640x480, in place of the scene\'s' -r
@@ -63,7 +63,7 @@ radiosity\t'The diffuse scene solved as a whole, for every view of it'
 ppm\t'Progressive photon mapping: a new map every pass, with one shrinking radius'
 sppm\t'Stochastic progressive photon mapping: a new map every pass, with radii that shrink pixel by pixel'
 auto\t'Path tracing, path tracing with a caustic map, or stochastic progressive photon mapping, by what the scene holds'"
-complete -c etendue -n "__fish_etendue_using_subcommand render" -l reuse -d 'Pixels in groups of 16 share the second hits of their paths; alone it means on. Only with the integrator path. In place of the choice of the scene, or off with --integrator' -r -f -a "on\t''
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l reuse -d 'Pixels in groups of 16 share the second hits of their paths; alone it means on. Only with the integrator path. In place of the choice of the scene; by default, a pilot of long renders says' -r -f -a "on\t''
 off\t''"
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l spectral -d 'Paths carry wavelengths instead of three channels; alone it means on. In place of the scene\'s choice' -r -f -a "on\t''
 off\t''"

@@ -50,7 +50,7 @@ pub fn by_radiosity(
     if settings.desc.spectral {
         no_wavelengths("a light map")?;
     }
-    if settings.desc.reuse {
+    if settings.desc.reuse == Some(true) {
         no_reuse("a light map has no neighbouring pixels", "false")?;
     }
     let own = &settings.desc.radiosity;

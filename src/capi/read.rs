@@ -321,7 +321,7 @@ pub(super) fn render(it: &etd_render_options, film: [u32; 2]) -> Result<RenderDe
                 return Err(Failure::argument(message));
             }
         },
-        reuse: switch("options.reuse", it.reuse)?.unwrap_or(false),
+        reuse: switch("options.reuse", it.reuse)?,
         spectral: switch("options.spectral", it.spectral)?.unwrap_or(false),
         white_balance: (it.white_balance != [0.0; 2]).then_some(it.white_balance),
         max_depth: (it.max_depth != 0).then_some(it.max_depth),
@@ -540,7 +540,7 @@ pub(super) fn render_out(desc: &RenderDesc) -> etd_render_options {
         spectral: switch_out(desc.spectral),
         white_balance: desc.white_balance.unwrap_or_default(),
         sensor_bands: [0.0; 2],
-        reuse: switch_out(desc.reuse),
+        reuse: desc.reuse.map_or(ETD_SWITCH_DEFAULT.number(), switch_out),
         reserved: 0,
         error_measure: ETD_ERROR_RELMSE.number(),
         adaptive: ETD_SWITCH_DEFAULT.number(),

@@ -43,12 +43,15 @@ pub struct RenderDesc {
     pub filter: FilterDesc,
     /// The light transport algorithm.
     pub integrator: IntegratorDesc,
-    /// Whether pixels in groups of 16 share the second hits of their paths. Only [`IntegratorDesc::Path`] does so: a render with
-    /// another integrator is refused. The picture stays unbiased, but the errors of neighbouring pixels, within squares of 8 x 8, are
-    /// correlated.
+    /// Whether pixels in groups of 16 share the second hits of their paths, which takes less time to the same error in most scenes and
+    /// leaves the picture unbiased. The errors of neighbouring pixels, within squares of 8 x 8, are then correlated.
+    ///
+    /// They can with [`IntegratorDesc::Path`], in three channels, with the same number of samples for all pixels, in scenes at rest whose
+    /// surfaces are opaque and whose media neither absorb nor have priorities. `Some(true)` is refused where they cannot. `None` leaves it
+    /// to a pilot where they can and the render is long, also where [`IntegratorDesc::Auto`] chooses paths; in other renders they do not.
     ///
     /// Source: Bekaert, Sbert and Halton 2002, "Accelerating Path Tracing by Re-Using Paths".
-    pub reuse: bool,
+    pub reuse: Option<bool>,
     /// Whether paths carry wavelengths instead of three channels. Colours become smooth spectra, lights those times D65, and glass
     /// with a [`Dispersion`](super::Dispersion) disperses light; the film has the colours that the standard observer sees.
     pub spectral: bool,
@@ -80,7 +83,7 @@ impl Default for RenderDesc {
             sampler: SamplerDesc::Sobol,
             filter: FilterDesc::Box,
             integrator: IntegratorDesc::Path,
-            reuse: false,
+            reuse: None,
             spectral: false,
             white_balance: None,
             max_depth: None,

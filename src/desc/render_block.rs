@@ -235,7 +235,7 @@ mod schema {
     pub struct IntegratorBlock {
         /// Its name.
         r#type: IntegratorName,
-        /// For `path`: whether pixels in groups of 16 share the second hits of their paths. Default false.
+        /// For `path`: whether pixels in groups of 16 share the second hits of their paths. Default: where a pilot says that it pays.
         reuse: Option<bool>,
     }
 

@@ -122,10 +122,10 @@ pub(super) fn shadow_rays(path: &str, value: Whole) -> Result<u32> {
     validate::whole(path, value, 1, u64::from(MAX_SHADOW_RAYS))
 }
 
-/// Reads an integrator, and whether its pixels share hits, which they do only where the integrator says so.
-fn integrator(raw: &RawValue, path: &str) -> Result<(IntegratorDesc, bool)> {
+/// Reads an integrator, and whether its pixels share hits.
+fn integrator(raw: &RawValue, path: &str) -> Result<(IntegratorDesc, Option<bool>)> {
     let names = IntegratorDesc::ALL.map(IntegratorDesc::name);
     let (name, block) = json::named(raw, path, &names)?;
     let reuse = if block { json::object::<Integrator>(raw, path)?.reuse } else { None };
-    Ok((IntegratorDesc::from_name(&name).unwrap_or_default(), reuse.unwrap_or(false)))
+    Ok((IntegratorDesc::from_name(&name).unwrap_or_default(), reuse))
 }

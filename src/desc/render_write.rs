@@ -50,7 +50,7 @@ pub(super) fn write(render: &RenderDesc) -> Result<Box<RawValue>> {
 /// Writes an integrator: its name, or an object where it has settings that differ from their defaults.
 fn integrator(render: &RenderDesc) -> Result<Box<RawValue>> {
     let name = IntegratorDesc::name(render.integrator);
-    match flag(render.reuse, RenderDesc::default().reuse) {
+    match render.reuse {
         None => raw(&name),
         reuse => raw(&Integrator { name: name.to_owned(), reuse }),
     }

@@ -75,10 +75,9 @@ pub fn no_wavelengths(method: &str) -> Result<()> {
 ///
 /// # Errors
 /// [`ErrorKind::Unsupported`], whose message names what the hits are not shared with.
-pub fn check_reuse(scene: &Scene, desc: &RenderDesc) -> Result<()> {
-    // `auto` is refused too: whether a picture can be rendered must not depend on what is chosen for the scene.
-    if desc.integrator != IntegratorDesc::Path {
-        let why = format!("{} shares no hits among pixels", desc.integrator.name());
+pub fn check_reuse(scene: &Scene, integrator: IntegratorDesc, desc: &RenderDesc) -> Result<()> {
+    if integrator != IntegratorDesc::Path {
+        let why = format!("{} shares no hits among pixels", integrator.name());
         return no_reuse(&why, "false, or the integrator path");
     }
     if desc.spectral {

@@ -22,6 +22,7 @@ mod replay;
 mod report;
 mod schedule;
 mod settings;
+mod sharing;
 #[cfg(test)]
 mod tests;
 mod worker_pool;
@@ -41,7 +42,7 @@ use crate::integrator::photon::{Choice, choose};
 use crate::integrator::radiosity::{Radiosity, RadiosityPicture};
 use crate::integrator::reuse::PathReuse;
 use crate::integrator::{Irradiance, Path, Probe, ProbeQuantity, Probes, Sites};
-use crate::integrator::{check_reuse, check_support, check_wavelengths, no_reuse, no_wavelengths};
+use crate::integrator::{check_support, check_wavelengths, no_wavelengths};
 use crate::sampling::Filter;
 use crate::scene::Scene;
 use crate::spectrum::{Sensor, white_balance};
@@ -50,6 +51,7 @@ use maps::Maps;
 use method::Method;
 use pass::{Pass, PassInput};
 use schedule::Schedule;
+use sharing::{Found, Sharing, pilot};
 use worker_pool::WorkerPool;
 
 pub use replay::NonFiniteSample;
@@ -98,6 +100,10 @@ pub struct Render {
     radiosity: Option<Arc<Radiosity>>,
     /// The integrator of the current pass.
     method: Method,
+    /// Path tracing with shared hits, as long as a pilot is to say whether hits are shared, and the pilot's squares in a row.
+    undecided: Option<(PathReuse, u32)>,
+    /// What the pilot found.
+    found: Option<Found>,
     /// Number of complete samples per pixel.
     samples: u32,
     /// Number of samples per pixel at which the next decision is made.
@@ -215,18 +221,7 @@ impl Render {
                 Some(method) => no_wavelengths(method.place_name())?,
             }
         }
-        if desc.reuse {
-            match &method {
-                None => check_reuse(scene, desc)?,
-                Some(method) => {
-                    no_reuse(&format!("{} has no neighbouring pixels", method.place_name()), "false")?;
-                }
-            }
-            if settings.adaptive == Some(true) {
-                let why = "adaptive sampling gives neighbouring pixels different numbers of samples";
-                no_reuse(why, "false, or the same number of samples in all pixels")?;
-            }
-        }
+        let sharing = Sharing::of(scene, &settings, integrator, method.as_ref().map(Method::place_name))?;
         match method {
             None => check_support(scene, integrator)?,
             Some(_) if scene.has_moving_world() => {
@@ -239,12 +234,11 @@ impl Render {
         let method = method.unwrap_or_else(|| Method::new(integrator));
         let filter = Filter::new(&filter_desc);
         let scene = scene.with_roulette(desc.roulette);
-        let method = match method {
-            Method::Path if desc.reuse => {
-                let path = Path { max_depth: desc.max_depth, shadow_rays: desc.shadow_rays };
-                Method::Reuse(PathReuse::new(&scene, path))
-            }
-            other => other,
+        let path = Path { max_depth: desc.max_depth, shadow_rays: desc.shadow_rays };
+        let (method, undecided) = match sharing {
+            Sharing::No => (method, None),
+            Sharing::Yes => (Method::Reuse(PathReuse::new(&scene, path)), None),
+            Sharing::ByPilot(across) => (method, Some((PathReuse::new(&scene, path), across))),
         };
         let shared = Arc::new(desc.clone());
         let plan = match integrator.info().preparation {
@@ -261,11 +255,13 @@ impl Render {
             gathering: plan.as_ref().is_some_and(Maps::remembers),
         })?;
         let pixels = desc.film_size().map(u64::from).into_iter().product::<u64>();
-        let adaptive = match (settings.adaptive.unwrap_or(settings.target_error.is_some()), desc.sampler) {
+        let adaptive = match (
+            settings.adaptive.unwrap_or(settings.target_error.is_some() && sharing == Sharing::No),
+            desc.sampler,
+        ) {
             (false, _) => Ok(false),
             (true, _) if pass_samples.is_some() => Err("the photon maps of a pass are for all pixels"),
             (true, _) if pixels < MIN_PIXELS => Err("the image is too small for a choice among pixels"),
-            (true, _) if desc.reuse => Err("neighbouring pixels share the hits of each sample"),
             (true, SamplerDesc::Sobol | SamplerDesc::Random) => Ok(true),
             (true, _) => Err("the sampler's pattern is planned for its number of samples"),
         };
@@ -286,6 +282,8 @@ impl Render {
             plan,
             radiosity: None,
             method,
+            undecided,
+            found: None,
             samples: 0,
             decision: 0,
             stage: None,
@@ -396,8 +394,8 @@ impl Render {
         self.integrator().info().preparation == Preparation::RadiositySolution && self.radiosity.is_none()
     }
 
-    /// Makes the photon maps or the radiosity solution that the next samples need. Returns the reason if the render ended
-    /// meanwhile.
+    /// Makes the photon maps, the radiosity solution or the pilot that the next samples need. Returns the reason if the render
+    /// ended meanwhile.
     fn prepare(
         &mut self,
         schedule: &Schedule,
@@ -405,9 +403,10 @@ impl Render {
         progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
     ) -> Result<Option<Ended>> {
         let wants_solution = self.wants_solution();
-        if self.plan.is_none() && !wants_solution {
+        if self.plan.is_none() && !wants_solution && self.undecided.is_none() {
             return Ok(None);
         }
+        let undecided = self.undecided.clone().map(|sharing| (self.pass_input(), sharing));
         let limit = self.settings.time_limit.filter(|_| self.samples > 0);
         let (samples, rays) = (self.samples, self.rays);
         let mut callback = |fraction| {
@@ -419,14 +418,19 @@ impl Render {
         };
         let deadline = limit.and_then(|limit| start.checked_add(limit));
         let mut pool = WorkerPool::new(&self.workers, &self.settings.cancel, deadline, &mut callback);
-        let made = match &mut self.plan {
-            Some(plan) => {
+        let made = match (&mut self.plan, undecided) {
+            (_, Some((input, sharing))) => pilot(&input, &sharing, &mut pool).map(|found| {
+                self.rays += found.rays;
+                self.found = Some(found);
+                if found.shares() { Method::Reuse(sharing.0) } else { Method::Path }
+            }),
+            (Some(plan), None) => {
                 let before = plan.rays();
                 let gather = plan.gather(samples, &mut pool);
                 self.rays += plan.rays() - before;
                 gather
             }
-            None => Radiosity::solve(&self.scene, &self.desc.radiosity, &mut pool).map(|solution| {
+            (None, None) => Radiosity::solve(&self.scene, &self.desc.radiosity, &mut pool).map(|solution| {
                 let solution = Arc::new(solution);
                 self.radiosity = Some(Arc::clone(&solution));
                 schedule.prepared.set(1.0);
@@ -442,6 +446,7 @@ impl Render {
         match made {
             Ok(method) => {
                 self.method = method;
+                self.undecided = None;
                 Ok(None)
             }
             Err(error) if error.kind() == ErrorKind::Cancelled => {
@@ -529,6 +534,12 @@ impl Render {
         if let Some(choice) = &self.choice {
             notes.push(format!("auto chose {}: {}", choice.integrator.name(), choice.why));
         }
+        if let Some(found) = self.found.filter(Found::shares) {
+            notes.push(format!(
+                "pixels shared hits: a pilot expected the same error in {:.1} times less time",
+                found.gain
+            ));
+        }
         notes.extend(self.plan.iter().flat_map(|plan| plan.notes().iter().cloned()));
         notes.extend(self.radiosity.iter().flat_map(|solution| solution.notes().iter().cloned()));
         if let Some(depth) = self.settings.desc.max_depth.filter(|_| self.integrator().info().cut_by_max_depth) {
@@ -568,6 +579,7 @@ impl Render {
             samples: self.samples,
             sample_counts: self.film.counts_unless(cancel),
             adaptive: self.stage.is_some(),
+            reuse: matches!(self.method, Method::Reuse(_)),
             rays: self.rays,
             rel_mse,
             display_error: self.film.error_unless(ErrorMeasure::Display, cancel),

@@ -7,7 +7,7 @@ use crate::integrator::reuse::GROUP;
 use crate::sampling::hash;
 
 /// Side of the squares of the picture that are divided into groups.
-const SQUARE: u32 = 8;
+pub(super) const SQUARE: u32 = 8;
 
 /// Number of groups of a square, and side of the cells of which each group has one pixel.
 const GROUPS: u32 = SQUARE * SQUARE / GROUP as u32;

@@ -442,6 +442,12 @@ impl Pass {
         self.stop.load(Ordering::Relaxed) || self.cancel.is_cancelled()
     }
 
+    /// Takes all samples on the calling thread. Returns the number of rays.
+    pub(super) fn into_rays(self) -> u64 {
+        self.take(&mut || false);
+        self.rays.into_inner()
+    }
+
     /// Takes one sample once more, up to its ray number `limit`.
     ///
     /// A replay is a pass, because a second call of the light transport code would make a second copy of that code, and the

@@ -49,6 +49,8 @@ pub struct Summary {
     pub sample_counts: Option<SampleCounts>,
     /// Whether pixels with larger errors got more samples.
     pub adaptive: bool,
+    /// Whether pixels in groups shared the second hits of their paths (see [`RenderDesc::reuse`](crate::desc::RenderDesc::reuse)).
+    pub reuse: bool,
     /// Number of rays traced, including shadow rays.
     pub rays: u64,
     /// Estimated relMSE (see [`Film::rel_mse`](crate::film::Film::rel_mse)). It is `None` where there are too few samples for

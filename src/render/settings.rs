@@ -28,9 +28,9 @@ pub struct RenderSettings {
     /// The measure of `target_error`; relMSE by default. Adaptive sampling reduces the error in this measure.
     pub error_measure: ErrorMeasure,
     /// Whether pixels with larger errors get more samples; `samples` of `desc` is then the mean over pixels. `None` means
-    /// adaptive sampling where there is a target error. All samplers but `Sobol` and `Random`, and photon maps that are
-    /// built anew for each pass, need the same number of samples in each pixel. A render with them is not adaptive, and a
-    /// note says so; nor is one whose pixels share hits (`reuse` of `desc`), with which `Some(true)` is refused.
+    /// adaptive sampling where there is a target error and `reuse` of `desc` is not `Some(true)`. All samplers but `Sobol` and `Random`,
+    /// and photon maps that are built anew for each pass, need the same number of samples in each pixel. A render with them is not
+    /// adaptive, and a note says so. In adaptive renders, pixels share no hits.
     pub adaptive: Option<bool>,
     /// The token that stops the render, from any thread.
     pub cancel: Cancel,

@@ -113,7 +113,7 @@ fn degenerate_triangles_are_left_out() {
 fn hits_that_pixels_share() {
     let scene = build(&quad_scene());
     let mut shared = settings(1, None);
-    shared.desc.reuse = true;
+    shared.desc.reuse = Some(true);
     let sites = atlas(&scene, 16);
     let by_paths = Bake::new(&scene, sites.sites(), shared.clone(), true).err().expect("a light map");
     let mut go_on = |_: f64| ControlFlow::Continue(());

@@ -186,7 +186,7 @@ static void pass_shared_hits(void) {
     etd_integrator integrator;
     CHECK(own.reuse == ETD_SWITCH_DEFAULT);
     CHECK_OK(etd_scene_get_render_options(scene, &own));
-    CHECK(own.reuse == ETD_SWITCH_OFF && own.reserved == 0);
+    CHECK(own.reuse == ETD_SWITCH_DEFAULT && own.reserved == 0);
     CHECK_OK(etd_scene_from_json(device, text, sizeof text - 1, NULL, &read));
     CHECK_OK(etd_scene_get_render_options(read, &own));
     CHECK(own.reuse == ETD_SWITCH_ON && own.reserved == 0);

@@ -670,7 +670,7 @@ pub fn settings() -> Vec<RenderDesc> {
         sampler: SamplerDesc::Jittered,
         filter: FilterDesc::Gaussian { sigma: third(1.0) },
         integrator: IntegratorDesc::Sppm,
-        reuse: true,
+        reuse: Some(true),
         spectral: true,
         white_balance: Some([1.0 / 3.0, 0.3]),
         max_depth: Some(u32::MAX),

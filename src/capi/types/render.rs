@@ -239,9 +239,9 @@ pub struct etd_render_options {
     /// An `etd_error_measure`: the measure of `target_error`, in which adaptive sampling reduces the error.
     pub error_measure: EtdErrorMeasure,
     /// An `etd_switch`: whether pixels with larger errors get more samples; `samples` is then the mean over pixels. On by default
-    /// if `target_error` is set. It needs the sampler `ETD_SAMPLER_SOBOL` or `ETD_SAMPLER_RANDOM`, and an integrator that does not
-    /// build photon maps for each pass. Otherwise all pixels get the same number of samples, and the log callback receives a
-    /// warning.
+    /// if `target_error` is set and `reuse` is not on. It needs the sampler `ETD_SAMPLER_SOBOL` or `ETD_SAMPLER_RANDOM`, and an
+    /// integrator that does not build photon maps for each pass. Otherwise all pixels get the same number of samples, and the log
+    /// callback receives a warning.
     pub adaptive: EtdSwitch,
 
     /// Smallest element of `ETD_INTEGRATOR_RADIOSITY`, to which this and the fields up to `radiosity_memory` belong: elements whose
@@ -284,10 +284,11 @@ pub struct etd_render_options {
     /// channels of the film are then the mean spectral radiance over each band, W m^-2 sr^-1 nm^-1, and `white_balance` does not
     /// apply. 0, 0: the colours that the standard observer sees.
     pub sensor_bands: [f64; 2],
-    /// An `etd_switch`: whether pixels in groups of 16 share the second hits of their paths, by `ETD_INTEGRATOR_PATH` alone. The picture
-    /// stays unbiased, but the errors of neighbouring pixels, within squares of 8 x 8, are correlated. It is refused with `spectral`, with
-    /// `adaptive` on, for light maps and light at given points, and for scenes in which something moves, is not opaque, or has media
-    /// that absorb or have priorities. Off by default.
+    /// An `etd_switch`: whether pixels in groups of 16 share the second hits of their paths, by `ETD_INTEGRATOR_PATH` alone. Most
+    /// scenes take less time to the same error so, and the picture stays unbiased, but the errors of neighbouring pixels, within squares of
+    /// 8 x 8, are correlated. On is refused with `spectral`, with `adaptive` on, for light maps and light at given points, and for scenes in which
+    /// something moves, is not opaque, or has media that absorb or have priorities. By default, a pilot of a long render says, where it is not
+    /// refused.
     pub reuse: EtdSwitch,
     /// Must be 0.
     pub reserved: u32,

@@ -150,10 +150,11 @@ struct Effort {
 }
 
 impl Effort {
-    /// So many seeds, samples per pixel and light paths of a map.
+    /// So many seeds, samples per pixel and light paths of a map. Pixels share no hits.
     fn new(seeds: u64, samples: u32, photons: u32) -> Self {
         let photons = PhotonDesc { count: Some(photons), caustic_count: Some(photons), ..PhotonDesc::default() };
-        Self { seeds, desc: RenderDesc { resolution: [12; 2], samples, photons, ..RenderDesc::default() } }
+        let reuse = Some(false);
+        Self { seeds, desc: RenderDesc { resolution: [12; 2], samples, photons, reuse, ..RenderDesc::default() } }
     }
 }
 

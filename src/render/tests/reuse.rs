@@ -4,7 +4,7 @@ use super::*;
 
 fn sharing(seeds: u64, samples: u32) -> Effort {
     let mut effort = Effort::new(seeds, samples, 1);
-    effort.desc.reuse = true;
+    effort.desc.reuse = Some(true);
     effort
 }
 
@@ -28,7 +28,7 @@ fn a_furnace_of_mirrors_and_diffuse_walls_is_even() {
 fn agree(what: &str, stage: &Stage, seeds: u64, samples: u32) {
     let scene = stage.build();
     let mut alone = sharing(seeds, 2 * samples);
-    alone.desc.reuse = false;
+    alone.desc.reuse = Some(false);
     let expected = render(&scene, IntegratorDesc::Path, &alone);
     let mut findings = Findings::default();
     let mut together = sharing(seeds, samples);

@@ -70,6 +70,7 @@ fn crop(case: &mut Case) {
             ..PhotonDesc::default()
         },
         radiosity: RadiosityDesc { element_size: Some(0.5), error: 20.0, ..RadiosityDesc::default() },
+        reuse: Some(false),
         ..RenderDesc::default()
     };
     let mut compare = |what: String, scene: &Scene, desc: &RenderDesc| {
@@ -88,7 +89,7 @@ fn crop(case: &mut Case) {
     }
     let room = load("room.json");
     let scene = build(&room);
-    compare("path, reuse".to_owned(), &scene, &RenderDesc { reuse: true, ..base.clone() });
+    compare("path, reuse".to_owned(), &scene, &RenderDesc { reuse: Some(true), ..base.clone() });
     for (name, sampler, filter) in [
         ("random, mitchell", SamplerDesc::Random, FilterDesc::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 }),
         ("jittered, gaussian", SamplerDesc::Jittered, FilterDesc::Gaussian { sigma: 0.5 }),

@@ -65,11 +65,12 @@ fn threads(case: &mut Case) {
             sampler,
             filter,
             integrator,
+            reuse: Some(false),
             ..RenderDesc::default()
         })
         .collect();
     // Pixels in groups, which are cut where the picture ends.
-    let reuse = RenderDesc { resolution: [45, 37], samples, reuse: true, ..RenderDesc::default() };
+    let reuse = RenderDesc { resolution: [45, 37], samples, reuse: Some(true), ..RenderDesc::default() };
     let jittered = RenderDesc { sampler: SamplerDesc::Jittered, ..reuse.clone() };
     let descs: Vec<RenderDesc> = descs.into_iter().chain([reuse, jittered]).collect();
     let references: Vec<Vec<u32>> = descs.iter().map(|desc| bits(&image(&scene, desc, 1, None, 0))).collect();

@@ -41,7 +41,7 @@ fn build(desc: &SceneDesc) -> Scene {
 }
 
 fn settings(samples: u64) -> RenderDesc {
-    RenderDesc { resolution: [16, 16], samples: samples as u32, reuse: true, ..RenderDesc::default() }
+    RenderDesc { resolution: [16, 16], samples: samples as u32, reuse: Some(true), ..RenderDesc::default() }
 }
 
 /// The same scene seen so widely that the first hits of a group are far from each other, in all directions.
@@ -82,7 +82,7 @@ fn closed_forms(case: &mut Case) {
     for (what, top) in [("the dark wall at a corner", 0), ("the shining wall at a corner", 8)] {
         let crop = Some(CropDesc { left: 0, top, width: 16, height: 8 });
         let shared = RenderDesc { crop, ..settings(case.count(64, 512)) };
-        let alone = RenderDesc { reuse: false, samples: 2 * shared.samples, ..shared.clone() };
+        let alone = RenderDesc { reuse: Some(false), samples: 2 * shared.samples, ..shared.clone() };
         let expected = measure(&scene, &alone, seeds, 1000);
         case.equal_means(what, measure(&scene, &shared, seeds, 1), expected, tolerance);
     }
@@ -185,7 +185,7 @@ fn against_paths(case: &mut Case) {
     for (name, quick, full) in scenes {
         let scene = build(&load(name));
         let desc = RenderDesc { resolution: [32, 32], ..settings(case.count(64, 512)) };
-        let alone = RenderDesc { reuse: false, samples: 2 * desc.samples, ..desc.clone() };
+        let alone = RenderDesc { reuse: Some(false), samples: 2 * desc.samples, ..desc.clone() };
         let expected = measure(&scene, &alone, seeds, 1000);
         case.equal_means(name, measure(&scene, &desc, seeds, 1), expected, pick(case, quick, full));
     }
@@ -202,7 +202,7 @@ fn against_paths(case: &mut Case) {
     desc.lights.push(point_light(DVec3::new(0.9, 0.85, -0.8), 1.0));
     let scene = build(&desc);
     let desc = settings(case.count(64, 512));
-    let alone = RenderDesc { reuse: false, samples: 2 * desc.samples, ..desc.clone() };
+    let alone = RenderDesc { reuse: Some(false), samples: 2 * desc.samples, ..desc.clone() };
     let expected = measure(&scene, &alone, seeds, 1000);
     let found = measure(&scene, &desc, seeds, 1);
     case.equal_means("a lamp in a corner", found, expected, pick(case, 1.5e-2, 4e-3));
