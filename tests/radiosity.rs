@@ -277,6 +277,34 @@ fn integrating_sphere() {
 
 /// A closed box with a point light inside, on one side of walls that reflect differently on the other: its mean irradiance is
 /// Phi / (A (1 - rho)) with the albedo of the inside alone, and pictures of it are as bright as paths make them.
+/// Inside a ball every point sees the whole ball equally, so that light that was reflected is the same everywhere:
+/// E = I rho / (r^2 (1 - rho)) for a point light of intensity I. The solution has large and small elements beside each other.
+#[test]
+fn a_ball_loses_no_light() {
+    for (albedo, light) in [(0.8, DVec3::ZERO), (0.8, DVec3::new(0.3, 0.2, 0.1)), (0.97, DVec3::new(0.3, 0.2, 0.1))] {
+        let mut desc = SceneDesc { camera: camera(DVec3::ZERO, DVec3::X, 60.0), ..SceneDesc::default() };
+        add(&mut desc, 0, ShapeDesc::Sphere { centre: DVec3::ZERO, radius: 1.0 }, lambert(albedo as f32), None);
+        desc.lights.push(point_light(light, 1.0));
+        let solution = solve(&desc, &RadiosityDesc { element_size: Some(0.15), ..RadiosityDesc::default() });
+        let lost = solution.summary().lost().unwrap();
+        assert!(lost.abs() < 5e-3, "albedo {albedo}, light at {light}: {lost} is lost");
+        let scene = build(&desc);
+        let reflected = albedo / (1.0 - albedo);
+        // All around, in directions spread evenly.
+        for k in 0..50 {
+            let (z, phi) = (1.0 - (2.0 * f64::from(k) + 1.0) / 50.0, 2.399_963 * f64::from(k));
+            let r = (1.0 - z * z).sqrt();
+            let direction = DVec3::new(r * phi.cos(), r * phi.sin(), z);
+            let hit = scene.intersect(&Ray::new(etendue::math::Vec3::ZERO, direction.as_vec3a())).unwrap();
+            let way = light - direction;
+            let direct = way.dot(-direction) / way.length().powi(3);
+            let found = f64::from(solution.irradiance(&hit, direction.as_vec3a(), false).r()) - direct;
+            let error = found / reflected - 1.0;
+            assert!(error.abs() < 0.04, "albedo {albedo}, light at {light}, towards {direction}: {error}");
+        }
+    }
+}
+
 #[test]
 fn walls_of_two_albedos() {
     let coarse = RadiosityDesc { error: 2.0, ..RadiosityDesc::default() };

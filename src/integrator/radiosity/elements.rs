@@ -12,7 +12,7 @@
 use std::collections::HashMap;
 
 use super::albedo::mean_albedos;
-use super::form_factor::{self, quarters};
+use super::form_factor::{self, Outline, quarters};
 use super::tessellate::tessellate;
 use super::textured::ElementTextures;
 use crate::error::{Error, ErrorKind, Result};
@@ -45,6 +45,8 @@ pub(super) struct Node {
     pub cone: f64,
     /// Area over the area of the flat element, on convex sides; 1 on others.
     pub area_ratio: f64,
+    /// Whether it is a part of a shape that curves towards its normal, as the inner side of a ball does.
+    pub is_hollow: bool,
     /// Whether another surface touches the element, or its vertices interpolate the irradiance inside badly.
     pub is_discontinuous: bool,
 }
@@ -121,6 +123,13 @@ const SMOOTH_WELD_COSINE: f64 = 0.2;
 
 /// Memory of a patch, with its vertices and its part of the clusters.
 const BYTES_PER_PATCH: usize = 2 * size_of::<Node>() + size_of::<Patch>() + 200;
+
+/// An element is hollow where its middle lies so far behind its flat element, in its radii.
+const FLATNESS: f64 = 1e-6;
+
+/// Sides of hollow elements are seen as chords from farther away than this, in lengths of the chord. Where an element is evaluated by its
+/// children, which is near to it, its neighbour's side must not be a chord yet: with 1, a ball would lose two per cent a bounce.
+const CHORD_DISTANCE: f64 = 2.0;
 
 /// Most levels of subdivision below a patch.
 const MAX_DEPTH: u32 = 16;
@@ -295,16 +304,18 @@ impl Elements {
         let [a, b, c] = corners.map(|vertex| self.vertices[vertex as usize]);
         let centre = (a + b + c) / 3.0;
         let flat = 0.5 * (b - a).cross(c - a).length();
-        let (mut whole, mut area_ratio) = (area.unwrap_or(flat), 1.0);
+        let radius = [a, b, c].iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
+        let (mut whole, mut area_ratio, mut is_hollow) = (area.unwrap_or(flat), 1.0, false);
         if let Some(shape) = self.shape(patch) {
             whole = curved_area(shape, &[a, b, c]);
-            // Convex sides are seen from far away, where their area counts. Concave sides surround their receivers, and
-            // so do the inscribed flat elements.
-            if (shape.project(centre).0 - centre).dot(normal) > 0.0 && flat > 0.0 {
+            // Convex sides are seen from far away, where their area counts. Hollow sides surround their receivers, which see their
+            // outlines.
+            let bulge = (shape.project(centre).0 - centre).dot(normal);
+            if bulge > 0.0 && flat > 0.0 {
                 area_ratio = whole / flat;
             }
+            is_hollow = bulge < -FLATNESS * radius;
         }
-        let radius = [a, b, c].iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
         Node {
             centre,
             normal,
@@ -317,8 +328,54 @@ impl Elements {
             corners,
             cone: 0.0,
             area_ratio,
+            is_hollow,
             is_discontinuous: false,
         }
+    }
+
+    /// The form factor of a fully visible element from a point with unit normal `n`.
+    ///
+    /// A hollow element is seen by its outline on the shape, whatever is in between. Neighbours have the same outline where they meet,
+    /// whether they are divided or not, so that a point inside a closed shape sees all of it and no more. Flat elements of different
+    /// sizes do not close: a small one would look under the edges of larger ones beside it.
+    pub fn factor_at(&self, p: DVec3, n: DVec3, node: &Node) -> f64 {
+        let corners = self.triangle(node);
+        let shape = match self.shape(node.patch) {
+            Some(shape) if node.is_hollow => shape,
+            _ => return form_factor::point_to_front(p, n, &corners, node.normal) * node.area_ratio,
+        };
+        let [a, b, c] = corners;
+        let mut outline = Outline::begin(p, n, a);
+        for ends in [[a, b], [b, c], [c, a]] {
+            self.go_along(shape, &mut outline, ends, p, MAX_DEPTH);
+        }
+        let is_clockwise = (b - a).cross(c - a).dot(node.normal) < 0.0;
+        let factor = outline.end();
+        (if is_clockwise { -factor } else { factor }).clamp(0.0, 1.0)
+    }
+
+    /// The unit normal of an element at one of its corners: that of the shape where it is hollow.
+    pub fn normal_at(&self, corner: DVec3, node: &Node) -> DVec3 {
+        match self.shape(node.patch) {
+            Some(shape) if node.is_hollow => {
+                let (_, outer) = shape.project(corner);
+                if self.patches[node.patch as usize].is_front { outer } else { -outer }
+            }
+            _ => node.normal,
+        }
+    }
+
+    /// Follows the side of a hollow element, which is divided as those of its children are until it is short for its distance from `p`.
+    fn go_along(&self, shape: &Analytic, outline: &mut Outline, [a, b]: [DVec3; 2], p: DVec3, levels: u32) {
+        let middle = 0.5 * (a + b);
+        let length2 = a.distance_squared(b);
+        let is_far = length2 <= p.distance_squared(middle) / (CHORD_DISTANCE * CHORD_DISTANCE);
+        if levels == 0 || is_far || length2 <= 0.25 * self.min_side2 {
+            return outline.go_to(b);
+        }
+        let middle = on_shape(shape, middle);
+        self.go_along(shape, outline, [a, middle], p, levels - 1);
+        self.go_along(shape, outline, [middle, b], p, levels - 1);
     }
 
     /// Whether an element has children, or may be subdivided.
@@ -549,6 +606,7 @@ impl Elements {
             corners: [range.start, range.end, self.clusters],
             cone: cone.min(std::f64::consts::PI),
             area_ratio: 1.0,
+            is_hollow: false,
             is_discontinuous: false,
         };
         self.clusters += 1;
@@ -569,6 +627,7 @@ pub(super) fn empty() -> Node {
         corners: [0; 3],
         cone: 0.0,
         area_ratio: 1.0,
+        is_hollow: false,
         is_discontinuous: false,
     }
 }

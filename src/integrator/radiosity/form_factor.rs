@@ -20,34 +20,71 @@ use crate::math::DVec3;
 /// one of the limits there.
 pub fn point_to_polygon(p: DVec3, n: DVec3, corners: &[DVec3]) -> f64 {
     let Some(&last) = corners.last() else { return 0.0 };
-    let mut a = last - p;
-    let mut height_a = a.dot(n);
-    let (mut exit, mut entry) = (None, None);
-    let mut sum = 0.0;
-    for &corner in corners {
-        let b = corner - p;
+    let mut outline = Outline::begin(p, n, last);
+    corners.iter().for_each(|&corner| outline.go_to(corner));
+    outline.end().abs().min(1.0)
+}
+
+/// Lambert's sum over the edges of an outline, which needs not be flat, for its part above the horizon of a point.
+pub(super) struct Outline {
+    p: DVec3,
+    n: DVec3,
+    /// Vector from the point to the corner that was reached, and its height.
+    at: (DVec3, f64),
+    sum: f64,
+    /// Where the outline went below the horizon and has not come back.
+    exit: Option<DVec3>,
+    /// Where it came up for the first time, if it began below.
+    entry: Option<DVec3>,
+}
+
+impl Outline {
+    /// Begins at a corner, for a point `p` with unit normal `n`.
+    #[inline]
+    pub fn begin(p: DVec3, n: DVec3, corner: DVec3) -> Self {
+        let at = corner - p;
+        Self { p, n, at: (at, at.dot(n)), sum: 0.0, exit: None, entry: None }
+    }
+
+    /// Goes to the next corner along a straight edge.
+    #[inline]
+    pub fn go_to(&mut self, corner: DVec3) {
+        let (n, (a, height_a)) = (self.n, self.at);
+        let b = corner - self.p;
         let height_b = b.dot(n);
+        let crossing = || a + (height_a / (height_a - height_b)) * (b - a);
         match (height_a > 0.0, height_b > 0.0) {
-            (true, true) => sum += edge(a, b, n),
+            (true, true) => self.sum += edge(a, b, n),
             (true, false) => {
-                let crossing = a + (height_a / (height_a - height_b)) * (b - a);
-                sum += edge(a, crossing, n);
-                exit = Some(crossing);
+                let crossing = crossing();
+                self.sum += edge(a, crossing, n);
+                self.exit = Some(crossing);
             }
             (false, true) => {
-                let crossing = a + (height_a / (height_a - height_b)) * (b - a);
-                sum += edge(crossing, b, n);
-                entry = Some(crossing);
+                let crossing = crossing();
+                self.sum += edge(crossing, b, n);
+                match self.exit.take() {
+                    // The edge along the horizon.
+                    Some(exit) => self.sum += edge(exit, crossing, n),
+                    None => self.entry = Some(crossing),
+                }
             }
             (false, false) => {}
         }
-        (a, height_a) = (b, height_b);
+        self.at = (b, height_b);
     }
-    // The edge along the horizon.
-    if let (Some(exit), Some(entry)) = (exit, entry) {
-        sum += edge(exit, entry, n);
+
+    /// The fraction of the hemisphere's cosine-weighted directions that the outline encloses, once it has come back to where it began:
+    /// negative where its corners run clockwise, seen from the point.
+    #[inline]
+    pub fn end(self) -> f64 {
+        let along_horizon = match (self.exit, self.entry) {
+            (Some(exit), Some(entry)) => edge(exit, entry, self.n),
+            _ => 0.0,
+        };
+        // Seen along the normal, angles grow the other way.
+        -(self.sum + along_horizon) / TAU
     }
-    (sum.abs() / TAU).min(1.0)
 }
 
 /// The term of one edge: its angle, times the cosine between `n` and the normal of the plane through the edge and the

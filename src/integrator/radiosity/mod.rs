@@ -312,6 +312,13 @@ impl RadiositySummary {
         (self.emitted, self.absorbed) = (Rgb::from_f64(emitted), Rgb::from_f64(absorbed));
     }
 
+    /// Fraction of the emitted light that no surface absorbed. It left the scene, or the error of the links lost it; below 0 they made it.
+    /// `None` without light.
+    pub fn lost(&self) -> Option<f64> {
+        let [emitted, absorbed] = [self.emitted, self.absorbed].map(|power| power.to_f64().element_sum());
+        (emitted > 0.0).then(|| 1.0 - absorbed / emitted)
+    }
+
     /// The note that tells the user about size and convergence. `is_bounded`: whether all albedos are below 1.
     fn note(&self, is_bounded: bool) -> String {
         let bound = if self.error_bound.is_finite() {
@@ -325,8 +332,11 @@ impl RadiositySummary {
             0.0 => String::new(),
             error => format!(", direct light sampled within {error:.1e}"),
         };
+        let lost = self
+            .lost()
+            .map_or_else(String::new, |lost| format!(", {:.2} % of the light came to nothing", 100.0 * lost));
         format!(
-            "radiosity: {} elements, {} links, {} iterations, residual {:.1e}, {bound}{sampling}, {:.1} MiB, {:.1} s",
+            "radiosity: {} elements, {} links, {} iterations, residual {:.1e}, {bound}{sampling}{lost}, {:.1} MiB, {:.1} s",
             self.elements,
             self.links,
             self.iterations,

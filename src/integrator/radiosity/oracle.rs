@@ -249,13 +249,14 @@ impl RefinementOracle {
             let factor = cosines * s.area * FRAC_1_PI / (distance * distance);
             (factor, factor / FAR, factor, QuarterWeights::EVEN)
         } else {
-            let f = |p: DVec3| point_to_front(p, r.normal, &to, s.normal) * s.area_ratio;
+            let f = |p: DVec3| self.elements.factor_at(p, r.normal, s);
             match spot(r, &from, s.centre, s.radius) {
                 Some((place, width)) => {
                     // Integrated over the smaller of the two, the factor includes all visible parts of the larger one;
                     // the other order might miss some.
-                    let back = |p: DVec3| point_to_front(p, s.normal, &from, r.normal);
-                    let areas = s.area_ratio * triangle_area(&to) / triangle_area(&from);
+                    let back = |p: DVec3| self.elements.factor_at(p, s.normal, r) / r.area_ratio;
+                    let area = |node: &Node, flat| if node.is_hollow { node.area } else { triangle_area(flat) };
+                    let areas = s.area_ratio * area(s, &to) / area(r, &from);
                     let factor = areas * mean(&back, &to, 1e-3, 2);
                     let quarters = quarters(&to).map(|[a, b, c]| back((a + b + c) / 3.0));
                     let root_mean_square = factor.max(width * f(place));

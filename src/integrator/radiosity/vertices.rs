@@ -10,7 +10,6 @@ use std::f64::consts::FRAC_1_PI;
 use std::sync::{Arc, PoisonError};
 
 use super::elements::{Elements, NONE, Node};
-use super::form_factor::point_to_front;
 use super::light::DirectionalPolynomial;
 use super::links::{Link, LinkKind, POINT, intensity, point_factor};
 use super::node_irradiance::received;
@@ -281,24 +280,19 @@ fn from_part(oracle: &RefinementOracle, p: DVec3, n: DVec3, number: u32) -> (f64
         let cosine = (-way.dot(source.normal)).max(0.0) / distance2.sqrt();
         point_factor(way, n) * cosine * source.area * FRAC_1_PI
     } else {
-        point_to_front(p, n, &corners, source.normal) * source.area_ratio
+        oracle.elements.factor_at(p, n, source)
     };
     let is_tilted = is_uneven && factor > 0.0;
-    (factor, factor * if is_tilted { radiosity_seen_from(p, n, &corners, source.normal, oracle, number) } else { b })
+    (factor, factor * if is_tilted { radiosity_seen_from(p, n, &corners, oracle, number) } else { b })
 }
 
 /// The mean radiosity of a source as weighted by the kernel at a point: a part that is near usually is bright as well,
 /// so that the mean by area would be too small. The kernel is interpolated linearly between its values at the corners.
-fn radiosity_seen_from(
-    p: DVec3,
-    n: DVec3,
-    corners: &[DVec3; 3],
-    facing: DVec3,
-    oracle: &RefinementOracle,
-    source: u32,
-) -> DVec3 {
+fn radiosity_seen_from(p: DVec3, n: DVec3, corners: &[DVec3; 3], oracle: &RefinementOracle, source: u32) -> DVec3 {
+    let node = &oracle.elements.nodes[source as usize];
     let kernel = corners.map(|corner| {
         let way = corner - p;
+        let facing = oracle.elements.normal_at(corner, node);
         let cosines = way.dot(n).max(0.0) * (-way.dot(facing)).max(0.0);
         cosines / way.length_squared().powi(2)
     });
