@@ -473,7 +473,7 @@ impl Elements {
                 (HitPoint::new(p.as_vec3a(), error), node.normal.as_vec3a())
             }
             Some(shape) => {
-                let (p, outer) = shape.project(p);
+                let (p, outer) = settle(shape, p);
                 let n = if self.patches[node.patch as usize].is_front { outer } else { -outer }.as_vec3a();
                 let p = p.as_vec3a();
                 (HitPoint::new(p, HitPoint::rounding_error(p, n)), n)
@@ -647,9 +647,27 @@ fn inside([s, t]: [f64; 2]) -> [f64; 2] {
     if sum > 1.0 { [s / sum, t / sum] } else { [s, t] }
 }
 
+/// Most steps by which a point is moved onto a shape.
+const MOST_STEPS: usize = 8;
+
+/// The point of a shape near `p`, and the outer unit normal there. A step of [`Analytic::project`] brings points onto a quadric that are
+/// almost there; from the middle of a chord it goes beyond, where the shape itself would be in the way of all rays.
+fn settle(shape: &Analytic, p: DVec3) -> (DVec3, DVec3) {
+    let mut at = shape.project(p);
+    for _ in 1..MOST_STEPS {
+        let next = shape.project(at.0);
+        let moved = next.0.distance(at.0);
+        at = next;
+        if moved <= 4.0 * f64::EPSILON * at.0.abs().max_element() {
+            break;
+        }
+    }
+    at
+}
+
 /// The point of a shape that replaces the middle of a chord.
 fn on_shape(shape: &Analytic, p: DVec3) -> DVec3 {
-    let (p, _) = shape.project(p);
+    let (p, _) = settle(shape, p);
     // A disk is flat: the middle of a chord stays inside its edge.
     p
 }
