@@ -111,7 +111,8 @@ pub unsafe extern "C" fn etd_scene_add_web_light(
         on(scene, |scene| {
             need(out_light, "out_light")?;
             let it = read_sized(web, "web")?;
-            let web = contents(it.file, it.text, it.text_bytes)?
+            let path = format!("lights[{}]", scene.desc().lights.len());
+            let web = contents(it.file, it.text, it.text_bytes, &path)?
                 .ok_or_else(|| Failure::argument("web.file and web.text are NULL, expected one of them".to_owned()))?;
             let number = scene.edit(|desc| desc.add_light_desc(web_light(&it, web)))?;
             out_light.write(number as u32);
@@ -134,13 +135,16 @@ pub unsafe extern "C" fn etd_scene_set_web_light(
     // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
-            let spectrum = find(&scene.desc().lights, light, "point light")?.spectrum.clone();
+            let desc = scene.desc();
+            let known = find(&desc.lights, light, "point light")?;
             let it = read_sized(web, "web")?;
-            let web = match contents(it.file, it.text, it.text_bytes)? {
+            let web = match contents(it.file, it.text, it.text_bytes, &known.path)? {
                 Some(web) => web,
-                None => Arc::clone(&measured(find(&scene.desc().lights, light, "point light")?, light)?.web),
+                None => Arc::clone(&measured(known, light)?.web),
             };
-            let value = PointLightDesc { spectrum, ..web_light(&it, web) };
+            let value = PointLightDesc { spectrum: known.spectrum.clone(), ..web_light(&it, web) };
+            // An edit copies a description that is held elsewhere.
+            drop(desc);
             scene.edit(|desc| desc.set_light_desc(light as usize, value))
         })
     }
@@ -179,7 +183,7 @@ pub unsafe extern "C" fn etd_scene_get_web_light(
     }
 }
 
-/// The intensities that are given, where there are any.
+/// The intensities that are given, where there are any, for the thing with this JSON path.
 ///
 /// # Safety
 /// `file` must be NULL or a text with a NUL at its end, and `text_bytes` bytes must be readable at `bytes` unless it is NULL.
@@ -187,20 +191,21 @@ pub(super) unsafe fn contents(
     file: *const c_char,
     bytes: *const c_void,
     text_bytes: usize,
+    path: &str,
 ) -> Result<Option<Arc<Web>>> {
     if !file.is_null() && !bytes.is_null() {
         return Err(Failure::argument("web.file and web.text are both given, expected one of them".to_owned()));
     }
     let web = if !bytes.is_null() {
         // SAFETY: the caller keeps this function's contract.
-        Web::parse(unsafe { items(bytes.cast::<u8>(), text_bytes, "web.text") }?)?
+        Web::parse(unsafe { items(bytes.cast::<u8>(), text_bytes, "web.text") }?)
     } else if !file.is_null() {
         // SAFETY: the caller keeps this function's contract.
-        Web::read(Path::new(unsafe { text(file, "web.file") }?))?
+        Web::read(Path::new(unsafe { text(file, "web.file") }?))
     } else {
         return Ok(None);
     };
-    Ok(Some(Arc::new(web)))
+    Ok(Some(Arc::new(web.map_err(|error| error.at(format!("{path}.file")))?)))
 }
 
 fn measured(it: &PointLightDesc, light: u32) -> Result<&WebDesc> {

@@ -12,7 +12,7 @@ use super::read;
 use super::scene::etd_scene;
 use super::status::{Failure, Result, etd_status};
 use super::types::{ETD_NONE, etd_surface, etd_surface_web};
-use crate::desc::{AreaWebDesc, SceneDesc, ShapeDesc, SurfaceLook};
+use crate::desc::{AreaWebDesc, SceneDesc, ShapeDesc, SurfaceLook, below};
 use crate::math::{Bounds, DAffine3, DVec3};
 
 /// Adds a sphere with its normals outwards. `centre`: three numbers; `radius` > 0. A transform that stretches the sphere makes
@@ -33,7 +33,7 @@ pub unsafe extern "C" fn etd_scene_add_sphere(
     out_surface: *mut u32,
 ) -> etd_status {
     // SAFETY: the caller keeps this function's contract.
-    unsafe { add(scene, surface, out_surface, || Ok(ShapeDesc::sphere(vector(centre, "centre")?, radius)?)) }
+    unsafe { add(scene, surface, out_surface, || Ok(ShapeDesc::sphere(vector(centre, "centre")?, radius))) }
 }
 
 /// Adds a triangle with normal (v1 - v0) x (v2 - v0). `vertices`: three positions, nine numbers. Thread-safe.
@@ -48,7 +48,7 @@ pub unsafe extern "C" fn etd_scene_add_triangle(
     out_surface: *mut u32,
 ) -> etd_status {
     // SAFETY: the caller keeps this function's contract.
-    unsafe { add(scene, surface, out_surface, || Ok(ShapeDesc::triangle(vectors(vertices, "vertices")?)?)) }
+    unsafe { add(scene, surface, out_surface, || Ok(ShapeDesc::triangle(vectors(vertices, "vertices")?))) }
 }
 
 /// Adds a flat convex quadrilateral with the normal (v1 - v0) x (v2 - v0). `vertices`: four positions in order around the edge,
@@ -64,7 +64,7 @@ pub unsafe extern "C" fn etd_scene_add_quad(
     out_surface: *mut u32,
 ) -> etd_status {
     // SAFETY: the caller keeps this function's contract.
-    unsafe { add(scene, surface, out_surface, || Ok(ShapeDesc::quad(vectors(vertices, "vertices")?)?)) }
+    unsafe { add(scene, surface, out_surface, || Ok(ShapeDesc::quad(vectors(vertices, "vertices")?))) }
 }
 
 /// Adds a flat round disk. `normal`: any length. Thread-safe.
@@ -83,7 +83,7 @@ pub unsafe extern "C" fn etd_scene_add_disk(
     // SAFETY: the caller keeps this function's contract.
     unsafe {
         add(scene, surface, out_surface, || {
-            Ok(ShapeDesc::disk(vector(centre, "centre")?, vector(normal, "normal")?, radius)?)
+            Ok(ShapeDesc::disk(vector(centre, "centre")?, vector(normal, "normal")?, radius))
         })
     }
 }
@@ -106,7 +106,7 @@ pub unsafe extern "C" fn etd_scene_add_cylinder(
     // SAFETY: the caller keeps this function's contract.
     unsafe {
         add(scene, surface, out_surface, || {
-            Ok(ShapeDesc::cylinder(vector(base, "base")?, vector(axis, "axis")?, radius, height)?)
+            Ok(ShapeDesc::cylinder(vector(base, "base")?, vector(axis, "axis")?, radius, height))
         })
     }
 }
@@ -129,7 +129,7 @@ pub unsafe extern "C" fn etd_scene_add_cone(
     // SAFETY: the caller keeps this function's contract.
     unsafe {
         add(scene, surface, out_surface, || {
-            Ok(ShapeDesc::cone(vector(base, "base")?, vector(axis, "axis")?, radius, height)?)
+            Ok(ShapeDesc::cone(vector(base, "base")?, vector(axis, "axis")?, radius, height))
         })
     }
 }
@@ -152,7 +152,7 @@ pub unsafe extern "C" fn etd_scene_add_paraboloid(
     // SAFETY: the caller keeps this function's contract.
     unsafe {
         add(scene, surface, out_surface, || {
-            Ok(ShapeDesc::paraboloid(vector(apex, "apex")?, vector(axis, "axis")?, radius, height)?)
+            Ok(ShapeDesc::paraboloid(vector(apex, "apex")?, vector(axis, "axis")?, radius, height))
         })
     }
 }
@@ -173,7 +173,7 @@ pub unsafe extern "C" fn etd_scene_add_ellipsoid(
     // SAFETY: the caller keeps this function's contract.
     unsafe {
         add(scene, surface, out_surface, || {
-            Ok(ShapeDesc::ellipsoid(vector(centre, "centre")?, vector(radii, "radii")?)?)
+            Ok(ShapeDesc::ellipsoid(vector(centre, "centre")?, vector(radii, "radii")?))
         })
     }
 }
@@ -201,7 +201,7 @@ pub unsafe extern "C" fn etd_scene_add_quadric(
                 (true, true) => None,
                 _ => Some(Bounds { min: vector(clip_min, "clip_min")?, max: vector(clip_max, "clip_max")? }),
             };
-            Ok(ShapeDesc::quadric(array(coefficients, "coefficients")?, clip)?)
+            Ok(ShapeDesc::quadric(array(coefficients, "coefficients")?, clip))
         })
     }
 }
@@ -223,7 +223,7 @@ pub unsafe extern "C" fn etd_scene_add_mesh_surface(
 ) -> etd_status {
     let shape = ShapeDesc::Mesh { mesh: mesh as usize, smooth: smooth != 0 };
     // SAFETY: the caller keeps this function's contract.
-    unsafe { add(scene, surface, out_surface, || Ok((shape, DAffine3::IDENTITY))) }
+    unsafe { add(scene, surface, out_surface, || Ok(Ok((shape, DAffine3::IDENTITY)))) }
 }
 
 /// Adds the surfaces of a Wavefront OBJ file with the materials that the file names (`usemtl`) in its material libraries
@@ -395,9 +395,11 @@ pub unsafe extern "C" fn etd_scene_set_surface_web(
                 return scene.edit(|desc| desc.set_surface_web(surface as usize, None));
             }
             let it = read_sized(web, "web")?;
-            let intensities = match contents(it.file, it.text, it.text_bytes)? {
+            let desc = scene.desc();
+            let known = find(&desc.surfaces, surface, "surface")?;
+            let intensities = match contents(it.file, it.text, it.text_bytes, &format!("{}.web", known.path))? {
                 Some(intensities) => intensities,
-                None => match &find(&scene.desc().surfaces, surface, "surface")?.web {
+                None => match &known.web {
                     Some(known) => Arc::clone(&known.web),
                     None => {
                         let message = "web.file and web.text are NULL, expected one of them";
@@ -406,6 +408,8 @@ pub unsafe extern "C" fn etd_scene_set_surface_web(
                 },
             };
             let value = AreaWebDesc { web: intensities, c0: DVec3::from_array(it.c0), tilt_deg: it.tilt_deg };
+            // An edit copies a description that is held elsewhere.
+            drop(desc);
             scene.edit(|desc| desc.set_surface_web(surface as usize, Some(value)))
         })
     }
@@ -539,7 +543,8 @@ pub(super) unsafe fn find_number(
     }
 }
 
-/// Adds a surface of a shape.
+/// Adds a surface of a shape. `shape` fails for pointers that cannot be read, and otherwise returns the shape, or what is wrong with
+/// its numbers.
 ///
 /// # Safety
 /// The contract of the functions that call it.
@@ -547,7 +552,7 @@ unsafe fn add(
     scene: *mut etd_scene,
     surface: *const etd_surface,
     out_surface: *mut u32,
-    shape: impl FnOnce() -> Result<(ShapeDesc, DAffine3)>,
+    shape: impl FnOnce() -> Result<crate::Result<(ShapeDesc, DAffine3)>>,
 ) -> etd_status {
     // SAFETY: the caller keeps this function's contract.
     unsafe {
@@ -564,11 +569,15 @@ unsafe fn add(
                 emits_both: it.emits_both != 0,
                 transform: read::transform(&it.transform),
             };
-            let (shape, local) = shape()?;
-            if let ShapeDesc::Mesh { mesh, .. } = &shape {
+            let shape = shape()?;
+            if let Ok((ShapeDesc::Mesh { mesh, .. }, _)) = &shape {
                 find(&scene.desc().meshes, u32::try_from(*mesh).unwrap_or(u32::MAX), "mesh")?;
             }
-            let number = scene.edit(|desc| desc.add_surface(shape, local, look))?;
+            let number = scene.edit(|desc| {
+                // A shape by itself knows its keys alone.
+                let (shape, local) = shape.map_err(below(&format!("surfaces[{}]", desc.surfaces.len())))?;
+                desc.add_surface(shape, local, look)
+            })?;
             out_surface.write(number as u32);
             Ok(())
         })

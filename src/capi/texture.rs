@@ -45,7 +45,8 @@ pub unsafe extern "C" fn etd_scene_add_texture(
         on(scene, |scene| {
             need(out_texture, "out_texture")?;
             let name = optional_text(name, "name")?;
-            let number = with_texture(texture, |it| {
+            let path = format!("textures[{}]", scene.desc().textures.len());
+            let number = with_texture(texture, &path, |it| {
                 scene.edit(|desc| desc.add_texture(TextureDesc { name: name.to_owned(), ..it }))
             })?;
             out_texture.write(number as u32);
@@ -69,8 +70,8 @@ pub unsafe extern "C" fn etd_scene_set_texture(
     unsafe {
         on(scene, |scene| {
             // The old texture is dropped once no lock is held, because the drop may call the host's release function.
-            let _old = Arc::clone(find(&scene.desc().textures, texture, "texture")?);
-            with_texture(value, |it| scene.edit(|desc| desc.set_texture(texture as usize, it)))
+            let old = Arc::clone(find(&scene.desc().textures, texture, "texture")?);
+            with_texture(value, &old.path, |it| scene.edit(|desc| desc.set_texture(texture as usize, it)))
         })
     }
 }
@@ -211,12 +212,16 @@ fn bound(key: TextureKey, it: &etd_texture_binding) -> Result<Option<TextureBind
     Ok((it.texture != ETD_NONE).then_some(binding))
 }
 
-/// Reads a texture and passes it to `take`. If that succeeds, the host's release function is called later; otherwise it is
+/// Reads a texture, which has this JSON path, and passes it to `take`. If that succeeds, the host's release function is called later; otherwise it is
 /// never called.
 ///
 /// # Safety
 /// The contract of `etd_scene_add_texture`.
-unsafe fn with_texture<R>(pointer: *const etd_texture, take: impl FnOnce(TextureDesc) -> Result<R>) -> Result<R> {
+unsafe fn with_texture<R>(
+    pointer: *const etd_texture,
+    path: &str,
+    take: impl FnOnce(TextureDesc) -> Result<R>,
+) -> Result<R> {
     // SAFETY: the caller keeps this function's contract.
     let it = unsafe { read_sized(pointer, "texture") }?;
     let vertex_colors = flag("texture.vertex_colors", it.vertex_colors)?;
@@ -237,7 +242,7 @@ unsafe fn with_texture<R>(pointer: *const etd_texture, take: impl FnOnce(Texture
     // SAFETY: the caller keeps this function's contract.
     let file = unsafe { optional_text(it.file, "texture.file") }?;
     if !file.is_empty() {
-        let (image, suggested) = read_image(Path::new(file))?;
+        let (image, suggested) = read_image(Path::new(file)).map_err(|error| error.at(format!("{path}.file")))?;
         return take(made(TextureSource::Image(image_of(&it, image, suggested, Some(file.into()))?))?);
     }
     let is_shared = match enumeration("texture.sharing", it.sharing)? {
@@ -247,7 +252,7 @@ unsafe fn with_texture<R>(pointer: *const etd_texture, take: impl FnOnce(Texture
     let release = if is_shared { it.release } else { None };
     let read = |owner: &_| {
         // SAFETY: the caller keeps this function's contract; copies are finished before this function ends.
-        let (image, suggested) = unsafe { texels(&it, is_shared, owner) }?;
+        let (image, suggested) = unsafe { texels(&it, is_shared, owner, path) }?;
         made(TextureSource::Image(image_of(&it, image, suggested, None)?))
     };
     shared(release, UserData(it.user_data), read, take)
@@ -289,7 +294,7 @@ fn image_of(
     })
 }
 
-/// The host's texels, in place or copied, and the colour space that their format suggests.
+/// The host's texels of the texture with this JSON path, in place or copied, and the colour space that their format suggests.
 ///
 /// # Safety
 /// The contract of `etd_scene_add_texture`.
@@ -297,6 +302,7 @@ unsafe fn texels(
     it: &etd_texture,
     is_shared: bool,
     owner: &Arc<dyn Any + Send + Sync>,
+    path: &str,
 ) -> Result<(TexelImage, ColorSpace)> {
     // SAFETY: the caller keeps this function's contract.
     let (texels, row, space) = unsafe {
@@ -320,7 +326,7 @@ unsafe fn texels(
         }
     };
     let image = TexelImage::with_rows(it.width, it.height, it.channels, row, texels);
-    image.map(|image| (image, space)).map_err(|message| crate::Error::invalid("texture", message).into())
+    image.map(|image| (image, space)).map_err(|message| crate::Error::invalid(path, message).into())
 }
 
 /// The values of an image, and their number from one row to the next. Copies have rows without gaps.

@@ -112,7 +112,7 @@ pub(super) fn join(base: &str, below: &str) -> String {
 }
 
 /// Returns a function that prefixes the path of an error with `base`.
-pub(super) fn below(base: &str) -> impl Fn(Error) -> Error {
+pub(crate) fn below(base: &str) -> impl Fn(Error) -> Error {
     move |error| {
         let path = join(base, &error.location().json_path);
         error.at(path)

@@ -131,7 +131,7 @@ pub use index::SceneIndex;
 pub use integrator::{
     Bias, IntegratorDesc, IntegratorInfo, LobeSupport, LobeUse, MapRenewal, PhotonMethod, Preparation, SampleOrder,
 };
-pub(crate) use json::elided;
+pub(crate) use json::{below, elided};
 pub use light::{LightDistribution, PointLightDesc, SpotDesc, WebDesc};
 pub(crate) use material::Body;
 pub use material::{BsdfDesc, MaterialDesc, MediumDesc};

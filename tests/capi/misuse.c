@@ -1069,6 +1069,7 @@ int main(int count, char **arguments) {
     misuse_photons();
     misuse_bake(quick);
     misuse_lighting();
+    misuse_errors();
     etd_atlas_release(atlas);
     etd_task_release(task);
     etd_film_release(film);

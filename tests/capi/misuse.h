@@ -32,6 +32,9 @@ void misuse_bake(int quick);
 /* Illuminance and luminance, in misuse_lighting.c. */
 void misuse_lighting(void);
 
+/* Where errors say that something is wrong, in misuse_errors.c. */
+void misuse_errors(void);
+
 /* What goes wrong over time: states, orders, threads, callbacks. `quick`: with few repetitions. */
 void misuse_life(int quick);
 

@@ -1,0 +1,80 @@
+/* What errors say: the path of the thing that is wrong, and the option, side or buffer. */
+#include <math.h>
+
+#include "misuse.h"
+
+/* A call fails with this status, and the thread's last error has this JSON path. */
+static void refused_at(etd_status got, etd_status wanted, const char *path) {
+    etd_error error = ETD_ERROR_INIT;
+    CHECK_STATUS(got, wanted);
+    CHECK_OK(etd_last_error(&error));
+    if (!CHECK(strcmp(error.json_path, path) == 0)) {
+        fprintf(stderr, "  the path is '%s', expected '%s'\n", error.json_path, path);
+    }
+    /* The message of an error about a file begins with the file. */
+    CHECK(strstr(error.message, path) != NULL);
+}
+
+/* The paths are those that a file would have, with the number that the thing would get. */
+static void paths_of_additions(void) {
+    static const double flat[12] = {0, 0, 0, 1, 0, 0, 2, 0, 0, 3, 0, 0};
+    static const double no_radii[3] = {1, 0, 1};
+    static const double far_away[3] = {0, 1e39, 0};
+    static const double no_rows[10] = {1, 1, -1, 0, 0, 0, 0, 0, 0, -1};
+    static const float dark[3] = {-1, 0, 0};
+    const etd_surface surface = matt();
+    etd_scene *own = new_scene(device); /* surfaces 0 to 2, materials 0 and 1, light 0 */
+    etd_material material = ETD_MATERIAL_INIT;
+    etd_texture texture = small_texture();
+    etd_web_light web = ETD_WEB_LIGHT_INIT;
+    etd_surface_web surface_web = ETD_SURFACE_WEB_INIT;
+    etd_spot_light spot = ETD_SPOT_LIGHT_INIT;
+    static float not_finite[16];
+    uint32_t number = 77;
+    refused_at(etd_scene_add_sphere(own, centre, -1, &surface, &number), ETD_INVALID_SCENE, "surfaces[3].radius");
+    refused_at(etd_scene_add_sphere(own, far_away, 1, &surface, &number), ETD_INVALID_SCENE, "surfaces[3].origin[1]");
+    refused_at(etd_scene_add_quad(own, flat, &surface, &number), ETD_INVALID_SCENE, "surfaces[3]");
+    refused_at(etd_scene_add_disk(own, centre, low, 0, &surface, &number), ETD_INVALID_SCENE, "surfaces[3].radius");
+    refused_at(etd_scene_add_cylinder(own, centre, up_axis, 1, 0, &surface, &number), ETD_INVALID_SCENE,
+               "surfaces[3].height");
+    refused_at(etd_scene_add_cone(own, centre, up_axis, 0, 1, &surface, &number), ETD_INVALID_SCENE,
+               "surfaces[3].radius");
+    refused_at(etd_scene_add_paraboloid(own, centre, up_axis, 0, 1, &surface, &number), ETD_INVALID_SCENE,
+               "surfaces[3].radius");
+    refused_at(etd_scene_add_ellipsoid(own, centre, no_radii, &surface, &number), ETD_INVALID_SCENE,
+               "surfaces[3].radii[1]");
+    refused_at(etd_scene_add_quadric(own, no_rows, NULL, NULL, &surface, &number), ETD_INVALID_SCENE, "surfaces[3]");
+    CHECK_OK(etd_scene_remove_surface(own, 1));
+    refused_at(etd_scene_add_sphere(own, centre, 0, &surface, &number), ETD_INVALID_SCENE, "surfaces[3].radius");
+    refused_at(etd_scene_set_emission(own, 2, dark), ETD_INVALID_SCENE, "surfaces[2].emission[0]");
+
+    material.color[1] = 2;
+    refused_at(etd_scene_set_material(own, 1, &material), ETD_INVALID_SCENE, "materials[1].color[1]");
+
+    refused_at(etd_scene_add_point_light(own, centre, dark, &number), ETD_INVALID_SCENE, "lights[1].color[0]");
+    spot.outer_cone_deg = 270;
+    refused_at(etd_scene_add_spot_light(own, &spot, &number), ETD_INVALID_SCENE, "lights[1].outerConeAngle");
+    web.text = "no lamp";
+    web.text_bytes = 7;
+    refused_at(etd_scene_add_web_light(own, &web, &number), ETD_INVALID_SCENE, "lights[1].file");
+    refused_at(etd_scene_set_web_light(own, 0, &web), ETD_INVALID_SCENE, "lights[0].file");
+    web.text = NULL;
+    web.file = "no-such-lamp.ies";
+    refused_at(etd_scene_add_web_light(own, &web, &number), ETD_IO, "lights[1].file");
+    surface_web.text = "no lamp";
+    surface_web.text_bytes = 7;
+    refused_at(etd_scene_set_surface_web(own, 2, &surface_web), ETD_INVALID_SCENE, "surfaces[2].web.file");
+
+    CHECK_OK(etd_scene_add_texture(own, NULL, &texture, &number));
+    not_finite[5] = (float)NAN;
+    texture.texel_format = ETD_TEXEL_FLOAT;
+    texture.texels = not_finite;
+    refused_at(etd_scene_add_texture(own, NULL, &texture, &number), ETD_INVALID_SCENE, "textures[1]");
+    refused_at(etd_scene_set_texture(own, 0, &texture), ETD_INVALID_SCENE, "textures[0]");
+    texture.file = "no-such-image.png";
+    refused_at(etd_scene_add_texture(own, NULL, &texture, &number), ETD_IO, "textures[1].file");
+    CHECK(number == 0);
+    etd_scene_release(own);
+}
+
+void misuse_errors(void) { paths_of_additions(); }
