@@ -46,7 +46,7 @@ fn surface(shape: ShapeDesc, transform: DAffine3, emission: Option<Rgb>) -> Surf
         shape,
         local: DAffine3::IDENTITY,
         transform,
-        material: 0,
+        material: Some(0),
         emission,
         emits_both: false,
         web: None,
@@ -101,7 +101,7 @@ fn edits(original: &SceneDesc, device: &Device) -> etendue::Result<()> {
     let with = |dynamic| BuildOptions { device: Some(device.clone()), dynamic, ..BuildOptions::default() };
     let changes: [(&str, bool, Change); 6] = [
         ("material", false, |desc| desc.materials[0].bsdf = BsdfDesc::Black),
-        ("material index", false, |desc| desc.surfaces[0].material = 1),
+        ("material index", false, |desc| desc.surfaces[0].material = Some(1)),
         ("emission", false, |desc| desc.surfaces[2].emission = Some(Rgb::new(2.0, 1.0, 1.0))),
         ("camera", false, |desc| {
             if let CameraDesc::Perspective { eye, .. } = &mut desc.camera {

@@ -94,7 +94,7 @@ fn room(triangles: usize) -> SceneDesc {
             shape,
             local: DAffine3::IDENTITY,
             transform: DAffine3::IDENTITY,
-            material: 0,
+            material: Some(0),
             emission,
             emits_both: false,
             web: None,

@@ -44,7 +44,7 @@ fn add(desc: &mut SceneDesc, shape: ShapeDesc, material: usize, emission: Option
         shape,
         local: DAffine3::IDENTITY,
         transform: DAffine3::IDENTITY,
-        material,
+        material: Some(material),
         emission,
         emits_both: false,
         web: None,

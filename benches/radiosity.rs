@@ -47,7 +47,7 @@ fn add(desc: &mut SceneDesc, shape: ShapeDesc, albedo: f32, emission: Option<Rgb
         shape,
         local,
         transform,
-        material,
+        material: Some(material),
         emission,
         emits_both: false,
         web: None,

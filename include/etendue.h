@@ -3358,7 +3358,7 @@ typedef struct etd_hit {
      */
     uint32_t surface;
     /**
-     * Number of the surface's material.
+     * Number of the surface's material; `ETD_NONE` for a surface without one, and where the ray hits nothing.
      */
     uint32_t material;
     /**

@@ -74,7 +74,7 @@ fn scene(mesh: MeshDesc, smooth: bool, emission: Option<Rgb>) -> SceneDesc {
             shape: ShapeDesc::Mesh { mesh: 0, smooth },
             local: DAffine3::IDENTITY,
             transform: DAffine3::IDENTITY,
-            material: 0,
+            material: Some(0),
             emission,
             emits_both: false,
             web: None,

@@ -336,7 +336,7 @@ fn walls_of_two_albedos() {
                 desc.materials.insert(number - 1, MaterialDesc { name, bsdf, ..MaterialDesc::default() });
             }
             desc.materials[2].bsdf = BsdfDesc::TwoSided { front: 0, back: 1 };
-            desc.surfaces[0].material = 2;
+            desc.surfaces[0].material = Some(2);
         }
         desc
     };

@@ -86,7 +86,7 @@ fn check(scene: &SceneDesc, text: &str) {
         assert!(mesh.uvs.is_empty() || mesh.uvs.len() == count, "{text}");
     }
     for surface in &scene.surfaces {
-        assert!(surface.material < scene.materials.len(), "{text}");
+        assert!(surface.material.is_none_or(|material| material < scene.materials.len()), "{text}");
         assert!(surface.to_world().is_finite() && surface.to_world().inverse().is_finite(), "{text}");
         assert!(
             surface.emission.is_none_or(|radiance| radiance.is_finite() && radiance.min_element() >= 0.0),

@@ -784,15 +784,15 @@ fn lights_are_point_lights_or_black_surfaces_that_emit() {
     let [area, dark] = scene.surfaces.as_slice() else { panic!("two surfaces") };
     assert_eq!((area.path.as_str(), area.emission, dark.emission), ("lights[2]", Some(Rgb::new(6.0, 4.0, 2.0)), None));
     assert_eq!(area.shape, ShapeDesc::Triangle([DVec3::ZERO, DVec3::X, DVec3::Y]));
-    assert_eq!(scene.materials[area.material].bsdf, BsdfDesc::Black);
-    assert_eq!(scene.materials.len(), 2, "one black material for both");
+    assert_eq!((area.material, dark.material), (None, None));
+    assert_eq!(scene.materials.len(), 1, "none but that of the file");
 }
 
 #[test]
 fn simple_shapes_are_read() {
     let sphere = surface(r#"{"geometry": "sphere", "origin": [1, 2, 3], "radius": 0.5, "material": "white"}"#);
     assert_eq!(sphere.shape, ShapeDesc::Sphere { centre: DVec3::new(1.0, 2.0, 3.0), radius: 0.5 });
-    assert_eq!((sphere.path.as_str(), sphere.material, sphere.emission), ("surfaces[0]", 0, None));
+    assert_eq!((sphere.path.as_str(), sphere.material, sphere.emission), ("surfaces[0]", Some(0), None));
     assert_eq!(sphere.transform, DAffine3::IDENTITY);
     let triangle = surface(
         r#"{"geometry": "triangle", "vertex-1": [0, 0, 0], "vertex-2": [1, 0, 0], "vertex-3": [0, 1, 0],
@@ -818,7 +818,7 @@ fn a_surface_that_only_emits_needs_no_material() {
                         {"geometry": "sphere", "origin": [0, 0, 0], "radius": 1, "material": "white",
                         "emission": [0, 0, 0]}]"#,
     );
-    assert_eq!(scene.materials[scene.surfaces[0].material].bsdf, BsdfDesc::Black);
+    assert_eq!((scene.surfaces[0].material, scene.surfaces[1].material), (None, Some(0)));
     assert_eq!(scene.surfaces[0].emission, Some(Rgb::new(1.0, 2.0, 3.0)));
     assert_eq!(scene.surfaces[1].emission, None, "no light is no emission");
 }
@@ -1261,7 +1261,7 @@ fn the_reports_room_is_read_whole() {
     assert_eq!(emitting.len(), 4);
     for light in emitting {
         assert_eq!(light.emission, Some(Rgb::ONE));
-        assert_eq!(scene.materials[light.material].bsdf, BsdfDesc::Black);
+        assert_eq!(light.material, None);
         let ShapeDesc::Triangle([a, b, c]) = light.shape else { panic!("{light:?}") };
         assert!((b - a).cross(c - a).y < 0.0, "the panel at the ceiling shines downwards: {}", light.path);
     }

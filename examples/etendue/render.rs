@@ -408,6 +408,7 @@ fn report(summary: &Summary, scene: &SceneDesc, quiet: bool) {
 fn names(sample: &NonFiniteSample, scene: &SceneDesc) -> String {
     let Some(hit) = sample.hit else { return String::new() };
     let surface = scene.surfaces.get(hit.surface as usize).map_or("", |surface| &surface.path);
-    let material = scene.materials.get(hit.material as usize).map_or("", |material| &material.name);
+    let material =
+        hit.material.and_then(|material| scene.materials.get(material as usize)).map_or("", |material| &material.name);
     format!(" ({surface}, \"{material}\")")
 }

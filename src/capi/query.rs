@@ -139,7 +139,7 @@ fn hit(scene: &Scene, ray: &Ray, length: f32) -> etd_hit {
         ng: it.ng.to_array(),
         ns: it.ns.to_array(),
         surface: it.surface,
-        material: it.material,
+        material: it.material.unwrap_or(ETD_NONE),
         primitive: it.primitive,
     }
 }

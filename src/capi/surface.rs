@@ -468,7 +468,7 @@ pub unsafe extern "C" fn etd_scene_get_surface(
             }
             let value = etd_surface {
                 struct_size: size_of::<etd_surface>(),
-                material: it.material as u32,
+                material: it.material.map_or(ETD_NONE, |material| material as u32),
                 emission: read::emission_out(it.emission),
                 transform: read::transform_out(&it.transform),
                 emits_both: u32::from(it.emits_both),

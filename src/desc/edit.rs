@@ -23,9 +23,6 @@ use crate::math::{Bounds, DAffine3};
 use crate::spectrum::Rgb;
 use crate::{Error, Result};
 
-/// Name of the material that is shared by surfaces that only emit.
-const BLACK: &str = "(black)";
-
 /// The properties of a surface other than its shape.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SurfaceLook {
@@ -96,8 +93,7 @@ impl SceneDesc {
     /// Changes a material. The material keeps its name, and loses its medium, its opacity and its emission.
     ///
     /// # Errors
-    /// The errors are those of [`Self::add_material`], and an error for a number that no material has or that is the number
-    /// of the black material that surfaces without a material share.
+    /// The errors are those of [`Self::add_material`], and an error for a number that no material has.
     pub fn set_material(&mut self, material: usize, bsdf: BsdfDesc, survival: Option<f32>) -> Result<()> {
         self.set_material_desc(material, MaterialDesc { bsdf, survival, ..MaterialDesc::default() })
     }
@@ -109,10 +105,6 @@ impl SceneDesc {
     /// The errors are those of [`Self::add_material_desc`] and [`Self::set_material`]; an error at `materials[..].emission` for a
     /// material of a surface that cannot emit, and at `materials[..].opacity` for that of a surface with an emission.
     pub fn set_material_desc(&mut self, material: usize, to: MaterialDesc) -> Result<()> {
-        if self.black() == Some(material) {
-            let message = "this is what surfaces without a material share, it stays black";
-            return Err(Error::invalid(format!("materials[{material}]"), message));
-        }
         let count = self.materials.len();
         let Some(known) = self.materials.get(material) else {
             return Err(none_such(&format!("materials[{material}]"), "material", material, count));
@@ -121,7 +113,7 @@ impl SceneDesc {
         material_check::check(&mut to, &self.materials[..material])?;
         texture_check::bindings(&to, &self.textures, &self.materials[..material])?;
         if to.emission.is_some() && known.emission.is_none() || !to.is_opaque() && known.is_opaque() {
-            for user in self.surfaces.iter().filter(|surface| !surface.hidden && surface.material == material) {
+            for user in self.surfaces.iter().filter(|surface| !surface.hidden && surface.material == Some(material)) {
                 validate::look(&user.path, user.emission, &to, &user.shape, &user.to_world()).map_err(|error| {
                     let key = if to.emission.is_some() { "emission" } else { "opacity" };
                     let message = format!("{} cannot have this material: {}", user.path, error.message());
@@ -333,7 +325,7 @@ impl SceneDesc {
         let (shape, local, material, emission) = (known.shape, known.local, known.material, known.emission);
         let path = known.path.clone();
         self.check_place(&path, &shape, &local, &transform)?;
-        self.check_look(&path, emission, Some(material), &shape, &(transform * local))?;
+        self.check_look(&path, emission, material, &shape, &(transform * local))?;
         self.surfaces[surface].transform = transform;
         Ok(())
     }
@@ -349,7 +341,7 @@ impl SceneDesc {
         let path = known.path.clone();
         self.check_material(&path, material, known.emission.is_some())?;
         self.check_look(&path, known.emission, material, &known.shape, &known.to_world())?;
-        self.surfaces[surface].material = material.unwrap_or_else(|| self.shared_black(&path));
+        self.surfaces[surface].material = material;
         Ok(())
     }
 
@@ -367,7 +359,7 @@ impl SceneDesc {
         let emission = check_emission(&known.path, emission)?;
         let emission =
             emission.map(|it| spectrum_edit::dressed(&known.path, known.spectrum.as_ref(), it)).transpose()?;
-        self.check_look(&known.path, emission, Some(known.material), &known.shape, &known.to_world())?;
+        self.check_look(&known.path, emission, known.material, &known.shape, &known.to_world())?;
         if let (Some(web), Some(factor)) = (&known.web, emission) {
             web.check(&known.path, &known.shape, factor, known.emits_both)?;
         }
@@ -386,7 +378,7 @@ impl SceneDesc {
     pub fn set_emits_both(&mut self, surface: usize, emits_both: bool) -> Result<()> {
         let known = self.live_surface(surface)?;
         if emits_both {
-            let emits = known.emission.or(self.materials.get(known.material).and_then(|it| it.emission)).is_some();
+            let emits = known.emission.or(self.material_of(known).and_then(|it| it.emission)).is_some();
             validate::emits_both(&known.path, &known.shape, emits)?;
         }
         if let Some(web) = &known.web {
@@ -462,13 +454,12 @@ impl SceneDesc {
             let of_material = look.material.and_then(|material| self.materials[material].emission);
             validate::emits_both(path, &shape, emission.or(of_material).is_some())?;
         }
-        let material = look.material.unwrap_or_else(|| self.shared_black(path));
         self.surfaces.push(SurfaceDesc {
             path: path.to_owned(),
             shape,
             local,
             transform: look.transform,
-            material,
+            material: look.material,
             emission,
             emits_both: look.emits_both,
             web: None,
@@ -498,7 +489,7 @@ impl SceneDesc {
             }
         }
         for surface in self.surfaces.iter().filter(|surface| !surface.hidden) {
-            let material = &self.materials[surface.material];
+            let Some(material) = self.material_of(surface) else { continue };
             if material.emission.is_some() || !material.is_opaque() {
                 validate::look(&surface.path, surface.emission, material, &surface.shape, &surface.to_world())?;
             }
@@ -534,27 +525,6 @@ impl SceneDesc {
         let extent =
             shape.extent(|mesh| self.meshes.get(mesh).map_or(Bounds::EMPTY, |data| self.index.extent(mesh, data)));
         validate::extent(path, &extent, &to_world)
-    }
-
-    /// The number of the material that surfaces without a material share, if that material exists yet.
-    fn black(&self) -> Option<usize> {
-        let is_black = |number: &usize| self.materials.get(*number).is_some_and(|it| it.bsdf == BsdfDesc::Black);
-        self.index.black.filter(is_black)
-    }
-
-    /// Returns the number of the material that surfaces without a material share. The material is made when it is first
-    /// needed.
-    fn shared_black(&mut self, path: &str) -> usize {
-        self.black().unwrap_or_else(|| {
-            let number = self.materials.len();
-            self.materials.push(MaterialDesc {
-                name: BLACK.to_owned(),
-                path: path.to_owned(),
-                ..MaterialDesc::default()
-            });
-            self.index.black = Some(number);
-            number
-        })
     }
 
     /// Checks that no other mesh has this name.

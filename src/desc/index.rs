@@ -19,8 +19,6 @@ pub struct SceneIndex {
     pub(super) textures: BTreeMap<String, usize>,
     /// Numbers of the named meshes. Several names may refer to one mesh.
     pub(super) meshes: BTreeMap<String, usize>,
-    /// The number of the material of surfaces without a material.
-    pub(super) black: Option<usize>,
     /// The extent of each mesh that was queried, with the data that it was computed from. A mesh that was replaced by
     /// hand is measured again.
     extents: BTreeMap<usize, (Weak<MeshDesc>, Bounds)>,

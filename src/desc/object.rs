@@ -134,8 +134,8 @@ pub struct SurfaceDesc {
     /// Transform from the object's frame to the world frame; the identity where none was given. It is invertible and
     /// finite.
     pub transform: DAffine3,
-    /// Index into [`SceneDesc::materials`](super::SceneDesc::materials).
-    pub material: usize,
+    /// Index into [`SceneDesc::materials`](super::SceneDesc::materials); `None` for a surface that reflects nothing.
+    pub material: Option<usize>,
     /// Emitted radiance [W m^-2 sr^-1] on the normal's side, or with a `web` the factor on it; `None` for a surface that does not emit. Of
     /// the quadrics, only cylinders emit.
     pub emission: Option<Rgb>,

@@ -54,11 +54,21 @@ pub struct SceneDesc {
 }
 
 impl SceneDesc {
+    /// The material of a surface, where it has one that exists.
+    pub(crate) fn material_of(&self, surface: &SurfaceDesc) -> Option<&MaterialDesc> {
+        self.materials.get(surface.material?)
+    }
+
+    /// The number of a surface's material in scenes, in which surfaces without a material have the number after the last.
+    pub(crate) fn material_number(&self, surface: &SurfaceDesc) -> usize {
+        surface.material.unwrap_or(self.materials.len())
+    }
+
     /// For each material, whether a surface has it. A scene is made for these materials alone; parts of others count as theirs.
     pub(crate) fn used_materials(&self) -> Vec<bool> {
         let mut used = vec![false; self.materials.len()];
         for surface in self.surfaces.iter().filter(|surface| !surface.hidden) {
-            if let Some(used) = used.get_mut(surface.material) {
+            if let Some(used) = surface.material.and_then(|material| used.get_mut(material)) {
                 *used = true;
             }
         }

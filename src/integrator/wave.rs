@@ -277,7 +277,7 @@ mod tests {
         let desc = desc::load(file.as_ref(), None).unwrap();
         let mut scene = Scene::build(&desc, &BuildOptions::default()).unwrap();
         let grey = |lobe: Lobes| (lobe, Rgb::splat(0.15));
-        for material in 0..desc.materials.len() {
+        for material in 0..scene.materials().len() {
             scene.set_bsdf(
                 material,
                 Bsdf::LobeMixture(LobeMixture::new(&Lobes::all().iter().map(grey).collect::<Vec<_>>(), 20.0)),

@@ -36,7 +36,8 @@ impl std::fmt::Display for NonFiniteSample {
         let [x, y] = self.pixel;
         write!(f, "pixel ({x}, {y}), sample {}", self.sample)?;
         if let Some(HitDescription { surface, material, primitive, .. }) = self.hit {
-            write!(f, ", ray {}: surface {surface}, material {material}, primitive {primitive}", self.rays)?;
+            let material = material.map_or("no material".to_owned(), |material| format!("material {material}"));
+            write!(f, ", ray {}: surface {surface}, {material}, primitive {primitive}", self.rays)?;
         }
         Ok(())
     }

@@ -166,6 +166,15 @@ struct BindingBuilder<'a, 'p> {
     spectra: EmissionSpectra,
 }
 
+/// The texture that varies the emission of a surface's material, where there is one.
+fn texture_of<'a>(
+    textures: &'a [Option<EmissionTexture>],
+    desc: &SceneDesc,
+    surface: u32,
+) -> Option<&'a EmissionTexture> {
+    textures.get(desc.surfaces[surface as usize].material?)?.as_ref()
+}
+
 impl BindingBuilder<'_, '_> {
     /// Adds the emitters of other sides to the list; returns the pairs of numbers of both sides.
     fn append_backs(&mut self) -> Vec<[u32; 2]> {
@@ -187,7 +196,7 @@ impl BindingBuilder<'_, '_> {
     fn push(&mut self, surface: u32, front: Emitter, back: Option<Emitter>) -> u32 {
         let number = self.emitters.len() as u32;
         let desc = &self.desc.surfaces[surface as usize];
-        if self.textures.get(desc.material).and_then(Option::as_ref).is_some_and(EmissionTexture::is_planckian) {
+        if texture_of(&self.textures, self.desc, surface).is_some_and(EmissionTexture::is_planckian) {
             self.spectra.pairs.push([number, PLANCKIAN]);
             self.emitters.push(front);
         } else {
@@ -202,7 +211,8 @@ impl BindingBuilder<'_, '_> {
     }
 
     fn owner(&self, surface: u32, emitter: u32) -> Owner {
-        Owner { surface, material: self.desc.surfaces[surface as usize].material as u32, emitter }
+        let material = self.desc.material_number(&self.desc.surfaces[surface as usize]) as u32;
+        Owner { surface, material, emitter }
     }
 
     /// The emitted radiance of a surface, or `None` where the surface emits no light.
@@ -343,8 +353,7 @@ impl BindingBuilder<'_, '_> {
     fn check_textures(&self, geometry: &Geometry) -> Result<()> {
         let refuse = |surface: u32| {
             let described = &self.desc.surfaces[surface as usize];
-            let is_textured = matches!(self.textures.get(described.material), Some(Some(_)));
-            if !is_textured || self.emission(surface).is_none() {
+            if texture_of(&self.textures, self.desc, surface).is_none() || self.emission(surface).is_none() {
                 return Ok(());
             }
             let message =
@@ -419,9 +428,8 @@ impl BindingBuilder<'_, '_> {
         if let Some(web) = self.webs.get(&surface) {
             return web.triangle(triangle, error, flipped);
         }
-        let material = self.desc.surfaces[surface as usize].material;
-        match self.textures.get(material) {
-            Some(Some(texture)) => {
+        match texture_of(&self.textures, self.desc, surface) {
+            Some(texture) => {
                 let set = texture.uv_set();
                 let [a, b, c] = self.record.corner_uvs_of_set(geometry, index as u32, set).unwrap_or_default();
                 let uvs = if flipped { [a, c, b] } else { [a, b, c] };
@@ -432,9 +440,8 @@ impl BindingBuilder<'_, '_> {
     }
 
     fn sphere(&mut self, sphere: Sphere, surface: u32, radiance: Rgb) -> Emitter {
-        let texture = self.textures.get(self.desc.surfaces[surface as usize].material);
-        match (texture, self.record.placed(surface)) {
-            (Some(Some(texture)), Some((_, to_world))) => {
+        match (texture_of(&self.textures, self.desc, surface), self.record.placed(surface)) {
+            (Some(texture), Some((_, to_world))) => {
                 texture.sphere_emitter(sphere, &to_world, radiance, &mut self.pieces_left)
             }
             _ => Emitter::Sphere(SphereEmitter { sphere, radiance }),

@@ -131,13 +131,13 @@ fn rebuild(old: &Scene, desc: &SceneDesc, options: &BuildOptions) -> Result<Scen
     complete(desc, base, device, assembly, bindings, appearance, Some(old), run)
 }
 
-/// Checks that every surface has a material.
+/// Checks that the materials of surfaces exist.
 fn check_materials(desc: &SceneDesc) -> Result<()> {
     let count = desc.materials.len();
-    match desc.surfaces.iter().find(|surface| surface.material >= count) {
+    match desc.surfaces.iter().find_map(|surface| Some((surface, surface.material.filter(|it| *it >= count)?))) {
         None => Ok(()),
-        Some(surface) => {
-            let message = format!("material {} of {count} does not exist", surface.material);
+        Some((surface, number)) => {
+            let message = format!("material {number} of {count} does not exist");
             Err(Error::invalid(format!("{}.material", surface.path), message))
         }
     }
@@ -217,6 +217,8 @@ fn complete(
             let material = textured.map_or_else(|| Material::uniform(bsdf), |it| Material::varying(Arc::new(it)));
             material.with_opacity(if used { desc.opacity } else { 1.0 })
         })
+        // That of surfaces without a material.
+        .chain([Material::uniform(Bsdf::Black(Black))])
         .collect();
     info.build_time = run.start.elapsed();
     let scene = Scene {

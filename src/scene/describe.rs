@@ -25,8 +25,8 @@ pub struct HitDescription {
     pub ns: Vec3,
     /// Index in [`crate::desc::SceneDesc::surfaces`].
     pub surface: u32,
-    /// Index in [`crate::desc::SceneDesc::materials`].
-    pub material: u32,
+    /// Index in [`crate::desc::SceneDesc::materials`]; `None` on a surface without a material.
+    pub material: Option<u32>,
     /// The number of the triangle in its mesh as the mesh was given; 0 or 1 for the half of a quad; 0 for all other
     /// shapes.
     pub primitive: u32,
@@ -56,7 +56,8 @@ impl Scene {
             ng: interaction.ng,
             ns: interaction.ns,
             surface: interaction.surface,
-            material: interaction.material,
+            // The last of the scene's materials is none of the description.
+            material: (interaction.material as usize + 1 < self.materials.len()).then_some(interaction.material),
             primitive,
         }
     }

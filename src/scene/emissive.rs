@@ -21,9 +21,9 @@ pub(super) fn with_emission_of_materials(desc: &SceneDesc) -> Result<Cow<'_, Sce
         if surface.emission.is_none() {
             // A web is of the surface's own emission.
             surface.web = None;
-            let material = &desc.materials[surface.material];
-            surface.emission = material.emission;
-            surface.spectrum = material.spectrum(SpectrumKey::Emission).cloned();
+            let material = surface.material.map(|material| &desc.materials[material]);
+            surface.emission = material.and_then(|material| material.emission);
+            surface.spectrum = material.and_then(|material| material.spectrum(SpectrumKey::Emission)).cloned();
         }
     }
     Ok(Cow::Owned(lit))

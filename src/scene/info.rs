@@ -383,7 +383,7 @@ fn named(desc: &SceneDesc, is_such: impl Fn(&SurfaceDesc) -> bool) -> Option<(us
     let such = |surface: &&SurfaceDesc| !surface.hidden && is_such(surface);
     let count = desc.surfaces.iter().filter(such).count();
     let named = desc.surfaces.iter().filter(such).take(NAMED).map(|surface| {
-        let material = &desc.materials[surface.material].name;
+        let material = desc.material_of(surface).map_or("", |material| &material.name);
         if material.is_empty() { surface.path.clone() } else { format!("{} ({material})", surface.path) }
     });
     let mut named: Vec<String> = named.collect();
@@ -439,7 +439,8 @@ fn is_not_diffuse(bsdf: &Bsdf) -> bool {
 fn not_diffuse(desc: &SceneDesc, bsdfs: &[Bsdf]) -> Vec<String> {
     let of_material: Vec<Option<TakenAs>> = bsdfs.iter().map(TakenAs::of).collect();
     let line = |taken: TakenAs| {
-        let (count, names) = named(desc, |surface| of_material.get(surface.material) == Some(&Some(taken)))?;
+        let (count, names) =
+            named(desc, |surface| surface.material.and_then(|it| *of_material.get(it)?) == Some(taken))?;
         Some(format!("radiosity takes {count} surfaces as {}: {names}", taken.name()))
     };
     [TakenAs::Black, TakenAs::WithoutSpecular, TakenAs::MeanAlbedo].into_iter().filter_map(line).collect()
@@ -448,9 +449,9 @@ fn not_diffuse(desc: &SceneDesc, bsdfs: &[Bsdf]) -> Vec<String> {
 /// Names the surfaces for which radiosity has no elements.
 fn not_in_radiosity(desc: &SceneDesc, bsdfs: &[Bsdf]) -> Option<String> {
     let of_material: Vec<[bool; 2]> = bsdfs.iter().map(|bsdf| sides(bsdf).each_ref().map(is_not_diffuse)).collect();
+    let of = |surface: &SurfaceDesc| surface.material.map_or(Some(&[true; 2]), |it| of_material.get(it));
     let line = |absent: [bool; 2], what: &str| {
-        let is_absent =
-            |surface: &SurfaceDesc| surface.emission.is_none() && of_material.get(surface.material) == Some(&absent);
+        let is_absent = |surface: &SurfaceDesc| surface.emission.is_none() && of(surface) == Some(&absent);
         let (count, names) = named(desc, is_absent)?;
         Some(format!("{what} {count} surfaces, which reflect nothing diffusely: {names}"))
     };

@@ -178,6 +178,8 @@ impl Media {
             }
             of_material.push((place + 1) as Number);
         }
+        // Surfaces without a material bound no body.
+        of_material.push(0);
         let interface = |(i, material): (usize, &MaterialDesc)| match material.bsdf {
             BsdfDesc::Dielectric { .. } if material.film.is_none() => Interface::Smooth,
             _ if has_varying_bsdf(desc, i) => Interface::Varying,

@@ -330,7 +330,7 @@ impl Scene {
         &self.materials[index as usize]
     }
 
-    /// All materials, in their order.
+    /// All materials, in their order; the last is that of surfaces without a material.
     pub(crate) fn materials(&self) -> &[Material] {
         &self.materials
     }

@@ -271,7 +271,7 @@ impl AppearanceKey {
         let spectrum = |(number, surface): (usize, &SurfaceDesc)| Some((number, surface.spectrum.clone()?));
         Self {
             emission_textures: if is_textured { desc.surfaces.iter().map(texture_of).collect() } else { Vec::new() },
-            materials: desc.surfaces.iter().map(|surface| surface.material as u32).collect(),
+            materials: desc.surfaces.iter().map(|surface| desc.material_number(surface) as u32).collect(),
             emissions: desc.surfaces.iter().map(|surface| (surface.emission, surface.emits_both)).collect(),
             webs: desc.surfaces.iter().enumerate().filter_map(web).collect(),
             spectra: desc.surfaces.iter().enumerate().filter_map(spectrum).collect(),

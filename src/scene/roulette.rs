@@ -8,10 +8,11 @@ use std::sync::Arc;
 use super::{Material, Scene};
 use crate::desc::{RouletteDesc, SceneDesc};
 
-/// The survival probabilities that a description's materials state, if any of them states one.
+/// The survival probabilities that a description's materials state, if any of them states one. The last is that of surfaces
+/// without a material, which end all paths.
 pub(super) fn stated_survival(desc: &SceneDesc) -> Option<Arc<[Option<f32>]>> {
     let states_one = desc.materials.iter().any(|material| material.survival.is_some());
-    states_one.then(|| desc.materials.iter().map(|material| material.survival).collect())
+    states_one.then(|| desc.materials.iter().map(|material| material.survival).chain([None]).collect())
 }
 
 impl Scene {

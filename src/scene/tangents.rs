@@ -76,7 +76,7 @@ impl SurfaceTangents {
 /// On flat triangles, the derivatives of the positions are the frames.
 fn normal_mapped<'a>(desc: &'a SceneDesc, surface: &SurfaceDesc) -> Option<(&'a Arc<MeshDesc>, u32)> {
     let ShapeDesc::Mesh { mesh, smooth: true } = surface.shape else { return None };
-    let binding = desc.materials.get(surface.material)?.textured(TextureKey::Normal)?;
+    let binding = desc.material_of(surface)?.textured(TextureKey::Normal)?;
     let TextureMapping::Uv { set, .. } = desc.textures.get(binding.texture)?.mapping else { return None };
     let mesh = desc.meshes.get(mesh).filter(|_| !surface.hidden)?;
     // A mesh that lacks the set has the first.

@@ -36,7 +36,7 @@ pub(super) struct EmissionTexture {
 
 /// The texture that varies the emission of a surface, if any does.
 pub(super) fn binding_of<'a>(desc: &'a SceneDesc, surface: &SurfaceDesc) -> Option<&'a TextureBinding> {
-    surface.emission.and(texture_of_light(desc.materials.get(surface.material)?))
+    surface.emission.and(texture_of_light(desc.material_of(surface)?))
 }
 
 /// The texture that varies what a material emits: the radiance, or the temperature of a black body.
@@ -76,14 +76,16 @@ pub(super) fn emission_textures(
     });
     let all: Vec<Option<EmissionTexture>> = all.collect::<Result<_>>()?;
     for surface in desc.surfaces.iter().filter(|surface| !surface.hidden) {
-        if let (Some(Some(texture)), Some(factor)) = (all.get(surface.material), surface.emission) {
+        let texture = surface.material.and_then(|material| all.get(material)?.as_ref());
+        if let (Some(texture), Some(factor)) = (texture, surface.emission) {
             if matches!(surface.shape, ShapeDesc::Disk { .. } | ShapeDesc::Quadric { .. }) {
                 let message =
                     "a texture varies the emission, which it can on spheres, triangles, quads and meshes only";
                 return Err(Error::new(ErrorKind::Unsupported, message).at(format!("{}.emission", surface.path)));
             }
             if texture.is_planckian
-                && surface.spectrum.as_ref() != desc.materials[surface.material].spectrum(SpectrumKey::Emission)
+                && surface.spectrum.as_ref()
+                    != desc.material_of(surface).and_then(|it| it.spectrum(SpectrumKey::Emission))
             {
                 let message = "a texture varies the temperature of the material, expected a surface without an emission of its own";
                 return Err(Error::new(ErrorKind::Unsupported, message).at(format!("{}.emission", surface.path)));

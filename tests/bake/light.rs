@@ -192,7 +192,7 @@ fn two_sided_walls_by_radiosity() {
             desc.materials.insert(number, MaterialDesc { bsdf, ..desc.materials[0].clone() });
         }
         desc.materials[2].bsdf = BsdfDesc::TwoSided { front: 0, back: 1 };
-        desc.surfaces[0].material = 2;
+        desc.surfaces[0].material = Some(2);
         let scene = build(&desc);
         let options = VertexOptions { spacing: Some(0.25), ..VertexOptions::default() };
         let vertices = Vertices::new(&scene, &options, &Cancel::new()).unwrap();

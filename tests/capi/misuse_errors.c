@@ -77,4 +77,60 @@ static void paths_of_additions(void) {
     etd_scene_release(own);
 }
 
-void misuse_errors(void) { paths_of_additions(); }
+/* A host sees its own materials alone: a surface without one takes no number, and says that it has none. */
+static void surfaces_without_materials(void) {
+    static const float bright[3] = {2, 2, 2};
+    const double before[3] = {0, 1, 9};
+    etd_camera camera = ETD_CAMERA_INIT;
+    etd_surface lamp = ETD_SURFACE_INIT;
+    etd_surface found = ETD_SURFACE_INIT;
+    etd_material grey_one = ETD_MATERIAL_INIT;
+    etd_scene_info info = ETD_SCENE_INFO_INIT;
+    etd_ray ray = {{0, 1, 9}, 0, {0, 0, -1}, 100};
+    etd_hit hit;
+    etd_scene *own = NULL;
+    uint32_t number = 77;
+    CHECK_OK(etd_scene_new(device, NULL, &own));
+    memcpy(camera.origin, before, sizeof before);
+    CHECK_OK(etd_scene_set_camera(own, &camera));
+    memcpy(lamp.emission, bright, sizeof bright);
+    CHECK(lamp.material == ETD_NONE);
+    CHECK_OK(etd_scene_add_sphere(own, centre, 1, &lamp, &number));
+    CHECK_STATUS(etd_scene_set_material(own, 0, &grey_one), ETD_INVALID_ARGUMENT);
+    CHECK_STATUS(etd_scene_find_material(own, "(black)", &number), ETD_INVALID_ARGUMENT);
+    CHECK_OK(etd_scene_add_material(own, "first", &grey_one, &number));
+    CHECK(number == 0);
+    CHECK_OK(etd_scene_add_sphere(own, low, 1, &lamp, &number));
+    CHECK_OK(etd_scene_add_material(own, "second", &grey_one, &number));
+    CHECK(number == 1);
+    grey_one.color[1] = 2;
+    refused_at(etd_scene_add_material(own, NULL, &grey_one, &number), ETD_INVALID_SCENE, "materials[2].color[1]");
+    CHECK_OK(etd_scene_get_surface(own, 0, &found));
+    CHECK(found.material == ETD_NONE);
+    CHECK_OK(etd_scene_commit(own, NULL, NULL));
+    CHECK_OK(etd_scene_get_info(own, &info));
+    CHECK(info.materials == 2);
+    CHECK_OK(etd_scene_intersect(own, &ray, 1, &hit));
+    CHECK(hit.surface == 0 && hit.material == ETD_NONE);
+    CHECK_OK(etd_scene_set_surface_material(own, 0, 1));
+    CHECK_OK(etd_scene_commit(own, NULL, NULL));
+    CHECK_OK(etd_scene_intersect(own, &ray, 1, &hit));
+    CHECK(hit.surface == 0 && hit.material == 1);
+    CHECK_OK(etd_scene_set_surface_material(own, 0, ETD_NONE));
+    CHECK_OK(etd_scene_set_emission(own, 0, NULL));
+    CHECK_OK(etd_scene_get_surface(own, 0, &found));
+    CHECK(found.material == ETD_NONE && found.emission[0] == 0);
+    /* More materials than before, so the surface without one has another place in the library. */
+    grey_one.color[1] = 0.5f;
+    CHECK_OK(etd_scene_add_material(own, NULL, &grey_one, &number));
+    CHECK(number == 2);
+    CHECK_OK(etd_scene_commit(own, NULL, NULL));
+    CHECK_OK(etd_scene_intersect(own, &ray, 1, &hit));
+    CHECK(hit.surface == 0 && hit.material == ETD_NONE);
+    etd_scene_release(own);
+}
+
+void misuse_errors(void) {
+    paths_of_additions();
+    surfaces_without_materials();
+}

@@ -34,7 +34,7 @@ pub fn add(desc: &mut SceneDesc, number: usize, shape: ShapeDesc, bsdf: BsdfDesc
         shape,
         local: DAffine3::IDENTITY,
         transform: DAffine3::IDENTITY,
-        material: desc.materials.len() - 1,
+        material: Some(desc.materials.len() - 1),
         emission,
         emits_both: false,
         web: None,

@@ -29,7 +29,7 @@ fn hit(
     let hit = scene.intersect(&ray).expect("in the way");
     let description = scene.describe_hit(&ray, &hit);
     let interaction = scene.interaction(&ray, &hit);
-    assert_eq!((description.t, description.surface, description.material), (hit.t, 0, interaction.material));
+    assert_eq!((description.t, description.surface, description.material), (hit.t, 0, Some(interaction.material)));
     assert_eq!((description.ng, description.ns), (interaction.ng, interaction.ns));
     description
 }

@@ -189,7 +189,7 @@ fn errors_are_those_of_a_fresh_build() {
     let scene = Scene::build(&original, &options).unwrap();
     type Change = fn(&mut SceneDesc);
     let edits: [(&str, Change); 5] = [
-        ("no such material", |desc| desc.surfaces[2].material = 99),
+        ("no such material", |desc| desc.surfaces[2].material = Some(99)),
         ("no such mesh", |desc| desc.meshes.truncate(1)),
         ("a vertex that is not finite", |desc| Arc::make_mut(&mut desc.meshes[0]).positions[7].y = f64::NAN),
         ("an index past the end", |desc| Arc::make_mut(&mut desc.meshes[0]).triangles[7][1] = 1 << 20),

@@ -112,7 +112,7 @@ pub fn surface(desc: &SceneDesc, shape: ShapeDesc, transform: DAffine3, emission
         shape,
         local: DAffine3::from_translation(DVec3::new(0.125, 0.0, 0.0)),
         transform,
-        material: number % desc.materials.len(),
+        material: Some(number % desc.materials.len()),
         emission,
         emits_both: false,
         web: None,
@@ -271,7 +271,7 @@ impl Edit {
                 let number = random.below(desc.materials.len());
                 desc.materials[number].bsdf = BsdfDesc::Lambert { albedo: random.colour() };
             }
-            Self::MaterialIndex => desc.surfaces[number].material = random.below(desc.materials.len()),
+            Self::MaterialIndex => desc.surfaces[number].material = Some(random.below(desc.materials.len())),
             Self::EmissionColour => {
                 for surface in &mut desc.surfaces {
                     surface.emission = surface.emission.map(|_| 3.0 * random.colour());

@@ -198,7 +198,7 @@ fn faces_of_a_material_become_a_surface() {
     }
     for (number, surface) in scene.surfaces.iter().enumerate() {
         let ShapeDesc::Mesh { mesh, smooth } = surface.shape else { panic!("not a mesh") };
-        assert_eq!((surface.material, mesh, smooth), (number % 2, number % 2, number >= 2));
+        assert_eq!((surface.material, mesh, smooth), (Some(number % 2), number % 2, number >= 2));
         assert_eq!(surface.path, format!("surfaces[{}]", number / 2));
     }
 
@@ -212,7 +212,7 @@ fn faces_of_a_material_become_a_surface() {
         calls.add_file_surfaces(&file, true, DAffine3::from_scale(etendue::math::DVec3::splat(2.0))).unwrap(),
         2..4
     );
-    assert_eq!((calls.materials[2].name.as_str(), calls.surfaces[3].material), ("", 3));
+    assert_eq!((calls.materials[2].name.as_str(), calls.surfaces[3].material), ("", Some(3)));
     assert_eq!(calls.surfaces[3].transform.matrix3.x_axis.x, 2.0);
     for (made, read) in calls.meshes.iter().zip(&scene.meshes) {
         assert!(made.triangles == read.triangles && made.positions == read.positions);

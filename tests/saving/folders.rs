@@ -111,7 +111,7 @@ fn what_cannot_be_written_is_refused_and_leaves_everything_as_it_was() {
             ("surfaces[0].radius", |scene| {
                 scene.surfaces[0].shape = ShapeDesc::Sphere { centre: DVec3::ZERO, radius: f64::INFINITY }
             }),
-            ("surfaces[0]: there is no material", |scene| scene.surfaces[0].material = 9999),
+            ("surfaces[0]: there is no material", |scene| scene.surfaces[0].material = Some(9999)),
             ("surfaces[0]: there is no mesh 2", |scene| {
                 scene.surfaces[0].shape = ShapeDesc::Mesh { mesh: 2, smooth: false }
             }),

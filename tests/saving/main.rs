@@ -71,6 +71,24 @@ fn names_of_quadrics_stay() {
     assert!(text.lines().all(|line| line.len() < 140), "lines are long: {text}");
 }
 
+/// A file needs a material or an emission of every surface, and a lamp without a material that is switched off has neither.
+#[test]
+fn surfaces_without_a_material_come_back() {
+    let camera = r#""camera": {"origin": [0, 0, 5], "lookAt": [0, 0, 0], "up": [0, 1, 0], "fieldOfView": 60}"#;
+    let disk = |x: i32| {
+        format!(
+            r#"{{"geometry": "disk", "origin": [{x}, 0, 0], "normal": [0, 0, 1], "radius": 0.5, "emission": [1, 2, 3]}}"#
+        )
+    };
+    let text = format!(r#"{{"etendue": 1, {camera}, "surfaces": [{}, {}]}}"#, disk(0), disk(1));
+    let mut scene = desc::parse(&text, &data_dir(), None).unwrap();
+    scene.set_emission(1, None).unwrap();
+    let again = saved(&scene);
+    assert_eq!((again.materials.len(), again.surfaces[0].material, again.surfaces[1].material), (0, None, None));
+    assert_eq!(again.surfaces[1].emission, None);
+    assert_same(&scene, &again, "without a material");
+}
+
 #[test]
 fn every_model_texture_shape_and_setting_comes_back() {
     let scene = everything::scene();

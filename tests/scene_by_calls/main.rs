@@ -40,8 +40,7 @@ fn rebuilt(from: &SceneDesc) -> Result<SceneDesc> {
     for (number, texture) in from.textures.iter().enumerate() {
         assert_eq!(desc.add_texture(texture.as_ref().clone())?, number);
     }
-    let is_black = |number: usize| from.materials[number].name == "(black)";
-    for (number, material) in from.materials.iter().enumerate().filter(|(number, _)| !is_black(*number)) {
+    for (number, material) in from.materials.iter().enumerate() {
         assert_eq!(desc.add_material_desc(material.clone())?, number);
     }
     for mesh in &from.meshes {
@@ -56,9 +55,8 @@ fn rebuilt(from: &SceneDesc) -> Result<SceneDesc> {
     desc.set_environment_desc(from.environment.clone())?;
     desc.set_backplate(from.backplate)?;
     for (number, surface) in from.surfaces.iter().enumerate() {
-        let material = Some(surface.material).filter(|material| !is_black(*material));
         let look = SurfaceLook {
-            material,
+            material: surface.material,
             emission: surface.emission,
             emits_both: surface.emits_both,
             transform: surface.transform,
@@ -324,10 +322,7 @@ fn render_settings_are_checked_as_in_the_format() {
 #[test]
 fn names_and_paths_are_found_until_their_thing_is_removed() {
     let mut desc = base();
-    assert_eq!(
-        (desc.find_material("glass"), desc.find_material(""), desc.find_material("(black)")),
-        (Some(1), None, None)
-    );
+    assert_eq!((desc.find_material("glass"), desc.find_material("")), (Some(1), None));
     assert_eq!((desc.find_mesh("corner"), desc.find_mesh("gone"), desc.find_mesh("")), (Some(0), None, None));
     assert_eq!((desc.find_surface("surfaces[3]"), desc.find_surface("surfaces[2]")), (Some(3), None));
     // A removed mesh gives back its memory and its name, not its number.
@@ -339,8 +334,8 @@ fn names_and_paths_are_found_until_their_thing_is_removed() {
     desc.remove_mesh(0).unwrap();
     let (shape, local) = ShapeDesc::sphere(A, 1.0).unwrap();
     assert_eq!(desc.add_surface(shape, local, lit(1)).unwrap(), 5);
-    // Without a name, any number of times.
-    for number in 3..6 {
+    // Without a name, any number of times; surfaces without a material have taken no number.
+    for number in 2..5 {
         assert_eq!(desc.add_material("", BsdfDesc::Black, None).unwrap(), number);
     }
     assert!(Scene::build(&desc, &BuildOptions::default()).is_ok());
@@ -380,11 +375,11 @@ fn what_is_set_is_what_is_there() {
     let turned = DAffine3::from_rotation_y(0.5);
     desc.set_transform(4, turned).unwrap();
     assert_eq!(desc.surfaces[4].to_world(), turned);
-    // All lamps without a material share one, and a lamp that is switched off stays as black as it was.
+    // A lamp without a material that is switched off stays as black as it was.
     desc.set_surface_material(4, None).unwrap();
-    assert_eq!((desc.surfaces[4].material, desc.surfaces[1].material), (2, 2));
+    assert_eq!((desc.surfaces[4].material, desc.surfaces[1].material), (None, None));
     desc.set_emission(1, Some(Rgb::ZERO)).unwrap();
-    assert_eq!((desc.surfaces[1].emission, desc.surfaces[1].material), (None, 2));
+    assert_eq!((desc.surfaces[1].emission, desc.surfaces[1].material), (None, None));
     desc.set_emission(0, Some(Rgb::ONE)).unwrap();
     assert_eq!(desc.surfaces[0].emission, Some(Rgb::ONE));
     // A mesh that is not replaced stays the same, one that is becomes another, with its own name and extent.

@@ -94,7 +94,7 @@ proptest! {
         }
         // What the calls accept can be said again.
         for surface in desc.surfaces.iter().filter(|surface| !surface.hidden) {
-            prop_assert!(surface.material < desc.materials.len());
+            prop_assert!(surface.material.is_none_or(|material| material < desc.materials.len()));
             if let ShapeDesc::Mesh { mesh, .. } = surface.shape {
                 prop_assert!(desc.meshes[mesh].triangle_count() > 0);
             }

@@ -128,29 +128,28 @@ fn bad_materials() -> Vec<(&'static str, &'static str, Call)> {
     let oren_nayar = move |roughness| BsdfDesc::OrenNayar { albedo: grey, roughness };
     let add = |path, why, bsdf, survival| bad(path, why, move |desc| desc.add_material("new", bsdf, survival));
     vec![
-        bad("materials[3].name", "'white' is given twice", move |desc| {
+        bad("materials[2].name", "'white' is given twice", move |desc| {
             desc.add_material("white", BsdfDesc::Black, None)
         }),
-        add("materials[3].color[1]", "a reflectance of 1.5 breaks", lambert(over), None),
-        add("materials[3].color[2]", "a reflectance of -0.25 breaks", BsdfDesc::Mirror { reflectance: under }, None),
-        add("materials[3].color[0]", "NaN", BsdfDesc::OrenNayarQualitative { albedo: Rgb::NAN, sigma: 0.1 }, None),
-        add("materials[3].color[1]", "1.5", BsdfDesc::OrenNayar { albedo: over, roughness: 0.1 }, None),
-        add("materials[3].sigmaDeg", "is out of range, expected a number in [0, 90]", rough(1.571), None),
-        add("materials[3].sigmaDeg", "is out of range", rough(-0.1), None),
-        add("materials[3].roughness", "1.5 is out of range", oren_nayar(1.5), None),
-        add("materials[3].refractionIndex", "0 is not above 0", glass(0.0, 1.0), None),
-        add("materials[3].exteriorIndex", "inf is beyond", glass(1.5, f32::INFINITY), None),
-        add("materials[3].reflectionRate", "0 is not above 0", lambert(grey), Some(0.0)),
-        add("materials[3].reflectionRate", "1.5 is out of range", oren_nayar(0.5), Some(1.5)),
-        add("materials[3].reflectionRate", "only a diffuse material", glass(1.5, 1.0), Some(0.5)),
+        add("materials[2].color[1]", "a reflectance of 1.5 breaks", lambert(over), None),
+        add("materials[2].color[2]", "a reflectance of -0.25 breaks", BsdfDesc::Mirror { reflectance: under }, None),
+        add("materials[2].color[0]", "NaN", BsdfDesc::OrenNayarQualitative { albedo: Rgb::NAN, sigma: 0.1 }, None),
+        add("materials[2].color[1]", "1.5", BsdfDesc::OrenNayar { albedo: over, roughness: 0.1 }, None),
+        add("materials[2].sigmaDeg", "is out of range, expected a number in [0, 90]", rough(1.571), None),
+        add("materials[2].sigmaDeg", "is out of range", rough(-0.1), None),
+        add("materials[2].roughness", "1.5 is out of range", oren_nayar(1.5), None),
+        add("materials[2].refractionIndex", "0 is not above 0", glass(0.0, 1.0), None),
+        add("materials[2].exteriorIndex", "inf is beyond", glass(1.5, f32::INFINITY), None),
+        add("materials[2].reflectionRate", "0 is not above 0", lambert(grey), Some(0.0)),
+        add("materials[2].reflectionRate", "1.5 is out of range", oren_nayar(0.5), Some(1.5)),
+        add("materials[2].reflectionRate", "only a diffuse material", glass(1.5, 1.0), Some(0.5)),
         bad("materials[0].color[1]", "1.5", move |desc| desc.set_material(0, lambert(over), None)),
         bad("materials[0].medium", "only a refractive material", move |desc| {
             desc.set_medium(0, Some(MediumDesc { absorption: grey, priority: 0 }))
         }),
         bad("materials[9]", "there is no material 9", |desc| desc.set_medium(9, None)),
         bad("materials[0].reflectionRate", "NaN", move |desc| desc.set_material(0, lambert(grey), Some(f32::NAN))),
-        bad("materials[2]", "stays black", move |desc| desc.set_material(2, lambert(grey), None)),
-        bad("materials[9]", "there is no material 9, expected an index below 3", move |desc| {
+        bad("materials[9]", "there is no material 9, expected an index below 2", move |desc| {
             desc.set_material(9, lambert(grey), None)
         }),
     ]
@@ -307,7 +306,7 @@ fn bad_surfaces() -> Vec<(&'static str, &'static str, Call)> {
     let add = |path, why, shape, local, look| bad(path, why, move |desc| desc.add_surface(shape, local, look));
     let gone = "surface 2 was removed";
     vec![
-        add("surfaces[5].material", "there is no material 3, expected an index below 3", shape, identity, lit(3)),
+        add("surfaces[5].material", "there is no material 2, expected an index below 2", shape, identity, lit(2)),
         add("surfaces[5]", "missing key `material`", shape, identity, SurfaceLook::default()),
         add(
             "surfaces[5].emission[0]",
@@ -339,7 +338,7 @@ fn bad_surfaces() -> Vec<(&'static str, &'static str, Call)> {
         bad("surfaces[1].emission", "stretches it", move |desc| desc.set_transform(1, long)),
         bad("surfaces[2]", gone, move |desc| desc.set_transform(2, identity)),
         bad("surfaces[5]", "there is no surface 5", move |desc| desc.set_transform(5, identity)),
-        bad("surfaces[0].material", "there is no material 3", |desc| desc.set_surface_material(0, Some(3))),
+        bad("surfaces[0].material", "there is no material 2", |desc| desc.set_surface_material(0, Some(2))),
         bad("surfaces[0]", "missing key `material`", |desc| desc.set_surface_material(0, None)),
         bad("surfaces[2]", gone, |desc| desc.set_surface_material(2, Some(0))),
         bad("surfaces[5]", "there is no surface 5", |desc| desc.set_surface_material(5, Some(0))),

@@ -34,7 +34,7 @@ pub struct etd_hit {
     pub ns: [f32; 3],
     /// Number of the surface; `ETD_NONE` where the ray hits nothing.
     pub surface: u32,
-    /// Number of the surface's material.
+    /// Number of the surface's material; `ETD_NONE` for a surface without one, and where the ray hits nothing.
     pub material: u32,
     /// Number of the triangle in its mesh, 0 or 1 in a quad, else 0.
     pub primitive: u32,

@@ -118,10 +118,12 @@ fn check(scene: &SceneDesc) -> Result<()> {
         {
             return Err(Error::invalid(path, format!("there is no mesh {mesh}")));
         }
-        let Some(material) = scene.materials.get(surface.material) else {
-            return Err(Error::invalid(path, format!("there is no material {}", surface.material)));
-        };
-        validate::look(path, surface.emission, material, &surface.shape, &surface.to_world())?;
+        match (surface.material, scene.material_of(surface)) {
+            (_, Some(it)) => validate::look(path, surface.emission, it, &surface.shape, &surface.to_world())?,
+            (Some(number), None) => return Err(Error::invalid(path, format!("there is no material {number}"))),
+            (None, None) if surface.emission.is_some() => validate::emitter(path, &surface.shape, &surface.to_world())?,
+            (None, None) => {}
+        }
         if let Some(radiance) = surface.emission {
             validate::emission(&format!("{path}.emission"), radiance.to_f64(), 1.0)?;
         }
@@ -137,7 +139,7 @@ fn check(scene: &SceneDesc) -> Result<()> {
 
 /// Whether a surface emits light on both of its sides.
 fn emits_both(scene: &SceneDesc, surface: &super::SurfaceDesc) -> bool {
-    let emission = surface.emission.or(scene.materials.get(surface.material).and_then(|it| it.emission));
+    let emission = surface.emission.or(scene.material_of(surface).and_then(|it| it.emission));
     surface.emits_both && emission.is_some()
 }
 

@@ -13,6 +13,7 @@ use crate::desc::save::{Names, raw};
 use crate::desc::transform::{self, same_bits, unless_zero};
 use crate::desc::{MeshStep, MotionDesc, ShapeDesc, SurfaceDesc, motion_keys, spectrum_keys};
 use crate::math::{DAffine3, DVec3};
+use crate::spectrum::Rgb;
 use crate::{Error, Result};
 
 /// The keys that all kinds of surfaces have.
@@ -65,9 +66,14 @@ pub(in crate::desc) fn write(
             AreaWeb::write(web, c0, factor, file)
         });
         Ok(Look {
-            material: Some(names.materials[surface.material].clone()),
+            material: surface.material.map(|material| names.materials[material].clone()),
             transform: transform::write(&placed)?,
-            emission: surface.emission.filter(|_| web.is_none()).map(numbers::color),
+            // A surface may be without a material where it says what it emits, and be it nothing.
+            emission: surface
+                .emission
+                .or_else(|| surface.material.is_none().then_some(Rgb::ZERO))
+                .filter(|_| web.is_none())
+                .map(numbers::color),
             spectrum: surface
                 .spectrum
                 .as_ref()

@@ -143,8 +143,7 @@ impl Elements {
         let least = size.unwrap_or(extent / 64.0);
         let mut elements = Self { min_side2: least * least, limit, top: NONE, ..Self::default() };
         elements.check(2 * scene.face_count() * BYTES_PER_PATCH)?;
-        let albedos: Vec<[DVec3; 2]> =
-            (0..scene.info().materials).map(|i| mean_albedos(scene.material(i as u32).mean())).collect();
+        let albedos: Vec<[DVec3; 2]> = scene.materials().iter().map(|material| mean_albedos(material.mean())).collect();
         elements.textured = ElementTextures::new(scene).map(Box::new);
         let mut welds = Welds::new();
         let mut roots = Vec::new();

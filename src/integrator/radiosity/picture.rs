@@ -10,7 +10,7 @@ use crate::integrator::vertex::{Vertex, escaped};
 use crate::integrator::{Context, FirstHit, Tracer, Transport};
 use crate::math::Ray;
 use crate::sampling::Sampler;
-use crate::scene::{Hit, Scene};
+use crate::scene::{Hit, Material, Scene};
 use crate::spectrum::Rgb;
 
 /// An integrator that shows a solution to the camera.
@@ -27,9 +27,8 @@ pub(crate) struct RadiosityPicture {
 
 impl RadiosityPicture {
     pub fn new(scene: &Scene, solution: Arc<Radiosity>, final_gather: bool, shadow_rays: u32) -> Self {
-        let of =
-            |i: usize| mean_albedos(scene.material(i as u32).mean()).map(|albedo| Rgb::from_f64(albedo) * FRAC_1_PI);
-        let reflected = (0..scene.info().materials).map(of).collect();
+        let of = |material: &Material| mean_albedos(material.mean()).map(|albedo| Rgb::from_f64(albedo) * FRAC_1_PI);
+        let reflected = scene.materials().iter().map(of).collect();
         let is_textured = scene.textured_diffuse_surface().is_some();
         Self { solution, reflected, is_textured, final_gather, shadow_rays }
     }

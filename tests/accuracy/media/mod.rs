@@ -192,7 +192,7 @@ fn nested(
             desc.camera = camera(eye, DVec3::new(0.0, -1.0, -1.0), 1.0);
             desc.surfaces.truncate(1);
             desc.surfaces.push(etendue::desc::SurfaceDesc {
-                material: 5,
+                material: Some(5),
                 emission: Some(Rgb::ONE),
                 ..desc.surfaces[0].clone()
             });

@@ -98,7 +98,7 @@ fn straight(case: &mut Case) {
             fill(&mut desc, [2], Rgb::ZERO, 2);
         }
         desc.surfaces[2].shape = SECOND;
-        let own = desc.surfaces[2].material;
+        let own = desc.surfaces[2].material.unwrap();
         let values = if key == TextureKey::TransmissionColor { [1.0, DARK] } else { [0.0, 1.0] };
         vary(&mut desc, own, key, columns(values));
         let scene = build(&desc);

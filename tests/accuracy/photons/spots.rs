@@ -92,7 +92,7 @@ fn aimed(case: &mut Case) {
         desc.surfaces.extend(unseen(vec![(ball(DVec3::new(0.0, 0.5, 0.0), 0.2), glass(1.5, 1.0), None)]).surfaces);
         let glass = unseen(vec![(ball(DVec3::ZERO, 1.0), glass(1.5, 1.0), None)]).materials[0].clone();
         desc.materials.push(glass);
-        desc.surfaces[1].material = 1;
+        desc.surfaces[1].material = Some(1);
         desc.lights.push(spot_light(PLACE, DVec3::new(-0.3, -0.2, 0.1), (outer, inner)));
         let scene = build(&desc);
         let [plain, guided] = [false, true].map(|guided| {

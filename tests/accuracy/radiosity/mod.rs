@@ -172,7 +172,7 @@ fn cornell(case: &mut Case) {
     });
     let mut front = desc.surfaces[0].clone();
     front.shape = parallelogram(DVec3::new(-10.0, -10.0, -1e-3), DVec3::Y * 580.0, DVec3::X * 580.0);
-    front.material = desc.materials.len() - 1;
+    front.material = Some(desc.materials.len() - 1);
     desc.surfaces.push(front);
     desc.camera = camera(DVec3::new(278.0, 273.0, 10.0), DVec3::new(278.0, 273.0, 10.0) + z, 60.0);
     let solution = solve(&build(&desc), &RadiosityDesc { error: 0.3, ..RadiosityDesc::default() });

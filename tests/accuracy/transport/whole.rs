@@ -232,7 +232,9 @@ fn power(case: &mut Case) {
     // What the walls and blocks show says what falls on them and what of that they keep: pi L (1 - a) / a.
     let mut triangles = Vec::new();
     for surface in desc.surfaces.iter().filter(|surface| surface.emission.is_none()) {
-        let BsdfDesc::Lambert { albedo } = desc.materials[surface.material].bsdf else { unreachable!("all are") };
+        let BsdfDesc::Lambert { albedo } = desc.materials[surface.material.unwrap()].bsdf else {
+            unreachable!("all are")
+        };
         match surface.shape {
             ShapeDesc::Quad([a, b, c, d]) => triangles.extend([([a, b, c], albedo), ([a, c, d], albedo)]),
             ShapeDesc::Triangle(corners) => triangles.push((corners, albedo)),
