@@ -1,6 +1,7 @@
 //! Calls that make, read and build scenes, and calls that return information about them. Calls that describe a scene are in
 //! `describe`, `surface` and `mesh`.
 
+use std::collections::HashMap;
 use std::ffi::{c_char, c_void};
 use std::path::Path;
 use std::sync::{Arc, Mutex, TryLockError};
@@ -36,6 +37,7 @@ pub struct etd_scene {
     /// device's memory limit.
     kernel: Device,
     state: Mutex<SceneState>,
+    surface_paths: Mutex<SurfacePaths>,
     /// The scene that rays are traced in. Edits do not change it before the next build.
     built: ArcSwapOption<Scene>,
     /// Held by the thread that builds.
@@ -49,6 +51,15 @@ impl Drop for etd_scene {
         // library.
         self.kernel.wait_idle();
     }
+}
+
+/// The numbers of surfaces by their JSON paths. Surfaces keep path and number, so the table only grows, when it is asked.
+#[derive(Default)]
+struct SurfacePaths {
+    /// All parts of a divided file have the path of the whole.
+    numbers: HashMap<Box<str>, Vec<usize>>,
+    /// The number of surfaces that the table has.
+    seen: usize,
 }
 
 struct SceneState {
@@ -75,6 +86,7 @@ impl etd_scene {
             device: Arc::clone(device),
             kernel: Device::new(&options)?,
             state: Mutex::new(SceneState { desc: Arc::new(desc), version: 0, built_version: None, dynamic }),
+            surface_paths: Mutex::default(),
             built: ArcSwapOption::empty(),
             building: Mutex::new(()),
         })
@@ -83,6 +95,22 @@ impl etd_scene {
     /// The current description.
     pub(super) fn desc(&self) -> Arc<SceneDesc> {
         Arc::clone(&lock(&self.state).desc)
+    }
+
+    /// Returns the number of the first surface of a JSON path that was not removed.
+    pub(super) fn find_surface(&self, json_path: &str) -> Option<usize> {
+        let desc = self.desc();
+        let mut paths = lock(&self.surface_paths);
+        for (number, surface) in desc.surfaces.iter().enumerate().skip(paths.seen) {
+            match paths.numbers.get_mut(surface.path.as_str()) {
+                Some(numbers) => numbers.push(number),
+                None => drop(paths.numbers.insert(surface.path.as_str().into(), vec![number])),
+            }
+        }
+        paths.seen = paths.seen.max(desc.surfaces.len());
+        // Another thread may have added surfaces since, which are in the table and not yet in this description.
+        let is_there = |number: &usize| desc.surfaces.get(*number).is_some_and(|surface| !surface.hidden);
+        paths.numbers.get(json_path)?.iter().copied().find(is_there)
     }
 
     /// Changes the description. A change that fails must leave the description as it was.

@@ -12,7 +12,7 @@ use super::read;
 use super::scene::etd_scene;
 use super::status::{Failure, Result, etd_status};
 use super::types::{ETD_NONE, etd_surface, etd_surface_web};
-use crate::desc::{AreaWebDesc, SceneDesc, ShapeDesc, SurfaceLook, below};
+use crate::desc::{AreaWebDesc, ShapeDesc, SurfaceLook, below};
 use crate::math::{Bounds, DAffine3, DVec3};
 
 /// Adds a sphere with its normals outwards. `centre`: three numbers; `radius` > 0. A transform that stretches the sphere makes
@@ -490,7 +490,7 @@ pub unsafe extern "C" fn etd_scene_find_material(
     out_material: *mut u32,
 ) -> etd_status {
     // SAFETY: the caller keeps this function's contract.
-    unsafe { find_number(scene, name, out_material, "material", |desc, name| desc.find_material(name)) }
+    unsafe { find_number(scene, name, out_material, "material", |scene, name| scene.desc().find_material(name)) }
 }
 
 /// Returns the number of the mesh with a name. Thread-safe.
@@ -504,7 +504,7 @@ pub unsafe extern "C" fn etd_scene_find_mesh(
     out_mesh: *mut u32,
 ) -> etd_status {
     // SAFETY: the caller keeps this function's contract.
-    unsafe { find_number(scene, name, out_mesh, "mesh", |desc, name| desc.find_mesh(name)) }
+    unsafe { find_number(scene, name, out_mesh, "mesh", |scene, name| scene.desc().find_mesh(name)) }
 }
 
 /// Returns the number of the surface with a JSON path, such as `surfaces[3]` or, for an area light, `lights[0]`. Thread-safe.
@@ -518,7 +518,7 @@ pub unsafe extern "C" fn etd_scene_find_surface(
     out_surface: *mut u32,
 ) -> etd_status {
     // SAFETY: the caller keeps this function's contract.
-    unsafe { find_number(scene, json_path, out_surface, "surface", |desc, path| desc.find_surface(path)) }
+    unsafe { find_number(scene, json_path, out_surface, "surface", etd_scene::find_surface) }
 }
 
 /// # Safety
@@ -528,14 +528,14 @@ pub(super) unsafe fn find_number(
     name: *const c_char,
     out: *mut u32,
     what: &str,
-    find: impl FnOnce(&SceneDesc, &str) -> Option<usize>,
+    find: impl FnOnce(&etd_scene, &str) -> Option<usize>,
 ) -> etd_status {
     // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
             need(out, "the number's place")?;
             let name = text(name, "name")?;
-            let number = find(&scene.desc(), name);
+            let number = find(scene, name);
             let number = number.ok_or_else(|| Failure::argument(format!("there is no {what} '{name}'")))?;
             out.write(number as u32);
             Ok(())

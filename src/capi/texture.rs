@@ -123,7 +123,7 @@ pub unsafe extern "C" fn etd_scene_find_texture(
     out_texture: *mut u32,
 ) -> etd_status {
     // SAFETY: the caller keeps this function's contract.
-    unsafe { find_number(scene, name, out_texture, "texture", |desc, name| desc.find_texture(name)) }
+    unsafe { find_number(scene, name, out_texture, "texture", |scene, name| scene.desc().find_texture(name)) }
 }
 
 /// Sets the texture of one parameter of a material, or removes it.

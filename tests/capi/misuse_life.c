@@ -977,7 +977,53 @@ static void shared_arrays(void) {
     etd_device_release(device);
 }
 
+static double seconds_since(const struct timespec *begin) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)(now.tv_sec - begin->tv_sec) + 1e-9 * (double)(now.tv_nsec - begin->tv_nsec);
+}
+
+/* To find every surface takes about as long as to add it, in a scene of many too, and what was added or removed since is found or is
+ * not. */
+static void find_many(uint32_t count) {
+    etd_device *device = new_device(1);
+    etd_scene *scene = new_scene(device); /* surfaces 0 to 2 */
+    const etd_surface surface = matt();
+    struct timespec begin;
+    double adding, finding;
+    uint32_t number = 0;
+    uint32_t i;
+    char path[32];
+    unsigned long wrong = 0;
+    clock_gettime(CLOCK_MONOTONIC, &begin);
+    for (i = 3; i < count; ++i) {
+        wrong += etd_scene_add_sphere(scene, centre, 1, &surface, &number) != ETD_OK || number != i;
+    }
+    adding = seconds_since(&begin);
+    clock_gettime(CLOCK_MONOTONIC, &begin);
+    for (i = 0; i < count; ++i) {
+        snprintf(path, sizeof path, "surfaces[%u]", (unsigned)i);
+        wrong += etd_scene_find_surface(scene, path, &number) != ETD_OK || number != i;
+    }
+    finding = seconds_since(&begin);
+    CHECK(wrong == 0);
+    if (!CHECK(finding < 6 * adding + 0.05)) {
+        fprintf(stderr, "  %u surfaces were added in %.3f s, and found in %.3f s\n", (unsigned)count, adding, finding);
+    }
+    CHECK_OK(etd_scene_remove_surface(scene, 7));
+    CHECK_STATUS(etd_scene_find_surface(scene, "surfaces[7]", &number), ETD_INVALID_ARGUMENT);
+    snprintf(path, sizeof path, "surfaces[%u]", (unsigned)count);
+    CHECK_STATUS(etd_scene_find_surface(scene, path, &number), ETD_INVALID_ARGUMENT);
+    CHECK_OK(etd_scene_add_sphere(scene, centre, 1, &surface, &number));
+    number = 0;
+    CHECK_OK(etd_scene_find_surface(scene, path, &number));
+    CHECK(number == count);
+    etd_scene_release(scene);
+    etd_device_release(device);
+}
+
 void misuse_life(int quick) {
+    find_many(quick ? 20000 : 50000);
     wrong_states();
     every_order();
     shared_arrays();
