@@ -4589,9 +4589,9 @@ etd_status etd_scene_occluded(const struct etd_scene *scene,
  * `options`: NULL for the defaults of `ETD_ATLAS_OPTIONS_INIT`. On `ETD_OK`, `*out_atlas` is one reference. The atlas keeps the
  * scene as it is now, and later bakes use that scene. The same scene gives the same layout. The log callback receives a
  * warning for each mesh whose own texture coordinates could not be used. Errors: `ETD_CANCELLED` if the progress callback
- * stopped the call; `ETD_INVALID_SCENE` for a scene without a surface, for options out of their range, for charts that do not
- * fit, and for texture coordinates that cannot be a layout although the options require them; `ETD_OUT_OF_MEMORY`; the errors
- * of `etd_scene_commit`. Thread-safe.
+ * stopped the call; `ETD_INVALID_ARGUMENT` for options out of their range; `ETD_INVALID_SCENE` for a scene without a surface,
+ * for charts that do not fit, and for texture coordinates that cannot be a layout although the options require them;
+ * `ETD_OUT_OF_MEMORY`; the errors of `etd_scene_commit`. Thread-safe.
  */
 etd_status etd_atlas_new(struct etd_scene *scene,
                          const struct etd_atlas_options *options,

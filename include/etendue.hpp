@@ -345,6 +345,16 @@ template <class T>
 #endif
 }
 
+/** Ends a call whose arguments do not fit together, before the library has seen them. */
+template <class T>
+[[nodiscard]] inline Outcome<T> refuse(const char *message) {
+#if ETENDUE_THROWS
+    throw Error(ETD_INVALID_ARGUMENT, message);
+#else
+    return Error(ETD_INVALID_ARGUMENT, message);
+#endif
+}
+
 /** Ends a call that has no value. */
 inline Outcome<void> done(etd_status status) {
     if (status != ETD_OK) {
@@ -1236,10 +1246,12 @@ public:
         return detail::give(status, std::move(value));
     }
 
-    /** Finds what each ray meets first; there must be room for as many hits as there are rays. */
+    /** Finds what each ray meets first. There are as many hits as rays; `ETD_INVALID_ARGUMENT` if not. */
     Outcome<void> intersect(span<const etd_ray> rays, span<etd_hit> hits) const {
-        const std::size_t count = rays.size() < hits.size() ? rays.size() : hits.size();
-        return detail::done(etd_scene_intersect(get(), rays.data(), count, hits.data()));
+        if (hits.size() != rays.size()) {
+            return detail::refuse<void>("hits and rays are not of the same number");
+        }
+        return detail::done(etd_scene_intersect(get(), rays.data(), rays.size(), hits.data()));
     }
     /** Finds what a ray meets first. */
     Outcome<etd_hit> intersect(const etd_ray &ray) const {
@@ -1247,10 +1259,13 @@ public:
         const etd_status status = etd_scene_intersect(get(), &ray, 1, &hit);
         return detail::give(status, std::move(hit));
     }
-    /** Finds for each ray whether anything is in its segment (1) or not (0). */
+    /** Finds for each ray whether anything is in its segment (1) or not (0). There are as many answers as rays;
+     *  `ETD_INVALID_ARGUMENT` if not. */
     Outcome<void> occluded(span<const etd_ray> rays, span<std::uint8_t> answers) const {
-        const std::size_t count = rays.size() < answers.size() ? rays.size() : answers.size();
-        return detail::done(etd_scene_occluded(get(), rays.data(), count, answers.data()));
+        if (answers.size() != rays.size()) {
+            return detail::refuse<void>("answers and rays are not of the same number");
+        }
+        return detail::done(etd_scene_occluded(get(), rays.data(), rays.size(), answers.data()));
     }
     /** Whether anything is in a ray's segment. */
     Outcome<bool> occluded(const etd_ray &ray) const {
@@ -1643,7 +1658,7 @@ inline Outcome<etd_status> measure(Scene &scene, etd_quantity quantity, span<con
                                    span<double> standard_errors = {}, Progress progress = {},
                                    etd_summary *summary = nullptr) {
     if (values.size() != points.size() || (standard_errors.size() != 0 && standard_errors.size() != points.size())) {
-        return detail::ended(ETD_INVALID_ARGUMENT);
+        return detail::refuse<etd_status>("values or standard errors and points are not of the same number");
     }
     etd_render_options raw = options;
     detail::ProgressHooks hooks(std::move(progress), raw.progress, raw.user_data, scene.keep());

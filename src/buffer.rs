@@ -68,9 +68,12 @@ impl<T: Element> Buffer<T> {
         if start.is_null() && len > 0 {
             return refused("the pointer is null".to_owned());
         }
-        if !start.is_aligned() || !stride.is_multiple_of(align_of::<T>()) {
-            let align = align_of::<T>();
-            return refused(format!("address {start:?} and stride {stride} must be multiples of {align} bytes"));
+        let align = align_of::<T>();
+        if !start.is_aligned() {
+            return refused(format!("the address {start:?} is not aligned to {align} bytes"));
+        }
+        if !stride.is_multiple_of(align) {
+            return refused(format!("a stride of {stride} bytes is not a multiple of {align}"));
         }
         if stride < size_of::<T>() {
             return refused(format!("a stride of {stride} bytes is less than an item's {}", size_of::<T>()));

@@ -114,7 +114,7 @@ impl Atlas {
     }
 
     fn make(scene: &Scene, options: &AtlasOptions, progress: &WorkProgress) -> Result<Self> {
-        check(options)?;
+        options.check()?;
         let limit = u64::from(options.memory) << 20;
         let mut bytes = scene.surface_mesh_bytes() as u64;
         let fits = |bytes: u64, what: &str| {
@@ -419,26 +419,32 @@ fn morton_code([x, y]: [u32; 2]) -> u32 {
     spread(x) | spread(y) << 1
 }
 
-fn check(options: &AtlasOptions) -> Result<()> {
-    let invalid = |path: &str, message: String| Err(Error::invalid(path, message));
-    if let Some(side) = options.resolution
-        && !(1..=MAX_SIDE).contains(&side)
-    {
-        return invalid("resolution", format!("{side} texels along a side; expected 1 to {MAX_SIDE}"));
+impl AtlasOptions {
+    /// Checks that each option is in its range.
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidScene`] at the option.
+    pub(crate) fn check(&self) -> Result<()> {
+        let invalid = |path: &str, message: String| Err(Error::invalid(path, message));
+        if let Some(side) = self.resolution
+            && !(1..=MAX_SIDE).contains(&side)
+        {
+            return invalid("resolution", format!("{side} texels along a side; expected 1 to {MAX_SIDE}"));
+        }
+        if let Some(density) = self.texels_per_unit
+            && !(density > 0.0 && density.is_finite())
+        {
+            return invalid("texelsPerUnit", format!("{density}; expected a finite number above 0"));
+        }
+        if self.gutter > MAX_GUTTER {
+            return invalid("gutter", format!("{} texels; expected at most {MAX_GUTTER}", self.gutter));
+        }
+        let angle = self.max_angle_deg;
+        if !(angle > 0.0 && angle < 90.0) {
+            return invalid("maxAngle", format!("{angle}; expected degrees between 0 and 90"));
+        }
+        Ok(())
     }
-    if let Some(density) = options.texels_per_unit
-        && !(density > 0.0 && density.is_finite())
-    {
-        return invalid("texelsPerUnit", format!("{density}; expected a finite number above 0"));
-    }
-    if options.gutter > MAX_GUTTER {
-        return invalid("gutter", format!("{} texels; expected at most {MAX_GUTTER}", options.gutter));
-    }
-    let angle = options.max_angle_deg;
-    if !(angle > 0.0 && angle < 90.0) {
-        return invalid("maxAngle", format!("{angle}; expected degrees between 0 and 90"));
-    }
-    Ok(())
 }
 
 /// The charts of all meshes, those of a mesh together.

@@ -41,9 +41,9 @@ const _: () = assert!(size_of::<etd_atlas>() <= size_of::<etd_device>());
 /// `options`: NULL for the defaults of `ETD_ATLAS_OPTIONS_INIT`. On `ETD_OK`, `*out_atlas` is one reference. The atlas keeps the
 /// scene as it is now, and later bakes use that scene. The same scene gives the same layout. The log callback receives a
 /// warning for each mesh whose own texture coordinates could not be used. Errors: `ETD_CANCELLED` if the progress callback
-/// stopped the call; `ETD_INVALID_SCENE` for a scene without a surface, for options out of their range, for charts that do not
-/// fit, and for texture coordinates that cannot be a layout although the options require them; `ETD_OUT_OF_MEMORY`; the errors
-/// of `etd_scene_commit`. Thread-safe.
+/// stopped the call; `ETD_INVALID_ARGUMENT` for options out of their range; `ETD_INVALID_SCENE` for a scene without a surface,
+/// for charts that do not fit, and for texture coordinates that cannot be a layout although the options require them;
+/// `ETD_OUT_OF_MEMORY`; the errors of `etd_scene_commit`. Thread-safe.
 ///
 /// # Safety
 /// Each pointer must be NULL or point to a value of its type.
@@ -109,6 +109,7 @@ unsafe fn atlas_options(options: *const etd_atlas_options) -> Result<(AtlasOptio
         max_angle_deg: if it.max_angle_deg == 0.0 { default.max_angle_deg } else { it.max_angle_deg },
         memory: if it.memory == 0 { default.memory } else { it.memory },
     };
+    made.check().map_err(read::in_options)?;
     Ok((made, HostProgress::new(it.progress, UserData(it.user_data))))
 }
 

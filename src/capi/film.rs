@@ -233,18 +233,14 @@ pub unsafe extern "C" fn etd_film_new(
         on(device, |device| {
             need(out_film, "out_film")?;
             let it = read_sized(options, "options")?;
+            let in_tiles = check_size([it.width, it.height])?;
             let pixels = u64::from(it.width) * u64::from(it.height);
-            let [columns, rows] = [it.width, it.height].map(|length| u64::from(length.div_ceil(TILE)));
-            let in_tiles = (columns * rows).saturating_mul((TILE * TILE).into());
-            if pixels == 0 || pixels > MAX_PIXELS || in_tiles > 2 * MAX_PIXELS {
-                let message = format!(
-                    "options: {} x {} pixels; a film has 1 to {MAX_PIXELS}, and less if it is very narrow",
-                    it.width, it.height
-                );
+            if it.layers & !ALL_LAYERS != 0 {
+                let message = format!("options.layers is {:#x}, expected bits of {ALL_LAYERS:#x} alone", it.layers);
                 return Err(Failure::argument(message));
             }
-            if it.layers & !ALL_LAYERS != 0 || it.reserved != 0 {
-                return Err(Failure::argument("options: unknown layers, or reserved is not 0"));
+            if it.reserved != 0 {
+                return Err(Failure::argument("options.reserved is not 0"));
             }
             let first_hits = it.layers & FIRST_HIT != 0;
             let channels: usize = LAYERS
@@ -281,6 +277,33 @@ pub unsafe extern "C" fn etd_film_new(
             Ok(())
         })
     }
+}
+
+/// Checks the width and height of a film. Returns the number of pixels of the tiles that hold it.
+fn check_size(sides: [u32; 2]) -> Result<u64> {
+    let names = ["width", "height"];
+    if let Some((name, _)) = names.iter().zip(sides).find(|(_, side)| *side == 0) {
+        return Err(Failure::argument(format!("options.{name} is 0, expected 1 or more")));
+    }
+    // The longer side is the one that is too long.
+    let longer = usize::from(sides[1] > sides[0]);
+    let (long, short) = (sides[longer], u64::from(sides[1 - longer]));
+    let tiles = |length: u64| length.div_ceil(TILE.into());
+    let most = |short: u64| {
+        let in_tiles = 2 * MAX_PIXELS / u64::from(TILE * TILE) / tiles(short) * u64::from(TILE);
+        in_tiles.min(MAX_PIXELS / short)
+    };
+    let refused = |limit: u64, beside: String| {
+        let message = format!("options.{} is {long}, expected {limit} at most{beside}", names[longer]);
+        Err(Failure::argument(message))
+    };
+    if u64::from(long) > most(1) {
+        return refused(most(1), String::new());
+    }
+    if u64::from(long) > most(short) {
+        return refused(most(short), format!(" beside a {} of {short}", names[1 - longer]));
+    }
+    Ok(tiles(long.into()) * tiles(short) * u64::from(TILE * TILE))
 }
 
 /// Adds a reference to a film. Thread-safe.
@@ -418,7 +441,10 @@ pub unsafe extern "C" fn etd_film_copy(
             };
             let row = width * values * value_size;
             let stride = if row_stride == 0 { row } else { row_stride };
-            if stride < row || stride % value_size != 0 || !pixels.addr().is_multiple_of(value_size) {
+            if !pixels.addr().is_multiple_of(value_size) {
+                return Err(Failure::argument(format!("pixels is not aligned to {value_size} bytes")));
+            }
+            if stride < row || stride % value_size != 0 {
                 let message = format!("row_stride is {stride}, expected a multiple of {value_size} of at least {row}");
                 return Err(Failure::argument(message));
             }

@@ -390,6 +390,7 @@ pub(super) fn in_options(error: Error) -> Failure {
     let field = match field.as_str() {
         "filter_sigma" | "filter_b" => "filter_parameters[0]",
         "filter_c" => "filter_parameters[1]",
+        "max_angle" => "max_angle_deg",
         field => field,
     };
     Failure::argument(format!("options.{field}: {}", error.message()))

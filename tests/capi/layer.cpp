@@ -156,6 +156,13 @@ void shared_meshes() {
         CHECK(scene.commit() == ETD_OK);
         CHECK(!watch.expired());
         const etd_hit hit = scene.intersect(etd::ray({0.2F, 0.2F, 1}, {0, 0, -1}));
+        {
+            const std::vector<etd_ray> rays(2, etd::ray({0.2F, 0.2F, 1}, {0, 0, -1}));
+            std::vector<etd_hit> hits(1);
+            std::vector<std::uint8_t> answers(3);
+            CHECK(status_of([&] { scene.intersect(rays, hits); }) == ETD_INVALID_ARGUMENT);
+            CHECK(status_of([&] { scene.occluded(rays, answers); }) == ETD_INVALID_ARGUMENT);
+        }
         CHECK(hit.surface == 1 && hit.t == 1);
         CHECK(scene.occluded(etd::ray({0.2F, 0.2F, 1}, {0, 0, -1})));
         CHECK(!scene.occluded(etd::ray({0.2F, 0.2F, 1}, {0, 0, 1})));

@@ -49,15 +49,15 @@ static void pass_layouts(void) {
         other.field = value;                            \
         refuse_layout(other, status, #field " " #value); \
     } while (0)
-    REFUSE(resolution, 8193, ETD_INVALID_SCENE);
-    REFUSE(resolution, UINT32_MAX, ETD_INVALID_SCENE);
+    REFUSE(resolution, 8193, ETD_INVALID_ARGUMENT);
+    REFUSE(resolution, UINT32_MAX, ETD_INVALID_ARGUMENT);
     REFUSE(resolution, 3, ETD_INVALID_SCENE);
-    REFUSE(gutter, 65, ETD_INVALID_SCENE);
-    REFUSE(texels_per_unit, NAN, ETD_INVALID_SCENE);
-    REFUSE(texels_per_unit, INFINITY, ETD_INVALID_SCENE);
-    REFUSE(max_angle_deg, 90, ETD_INVALID_SCENE);
-    REFUSE(max_angle_deg, -1, ETD_INVALID_SCENE);
-    REFUSE(max_angle_deg, NAN, ETD_INVALID_SCENE);
+    REFUSE(gutter, 65, ETD_INVALID_ARGUMENT);
+    REFUSE(texels_per_unit, NAN, ETD_INVALID_ARGUMENT);
+    REFUSE(texels_per_unit, INFINITY, ETD_INVALID_ARGUMENT);
+    REFUSE(max_angle_deg, 90, ETD_INVALID_ARGUMENT);
+    REFUSE(max_angle_deg, -1, ETD_INVALID_ARGUMENT);
+    REFUSE(max_angle_deg, NAN, ETD_INVALID_ARGUMENT);
     REFUSE(layout, 3, ETD_INVALID_ARGUMENT);
     REFUSE(layout, UINT32_MAX, ETD_INVALID_ARGUMENT);
     REFUSE(reserved, 1, ETD_INVALID_ARGUMENT);
@@ -66,7 +66,8 @@ static void pass_layouts(void) {
     /* The mesh has no texture coordinates. */
     REFUSE(layout, ETD_ATLAS_LAYOUT_OWN, ETD_INVALID_SCENE);
     for (i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
-        REFUSE(texels_per_unit, bad[i], ETD_INVALID_SCENE);
+        /* Below 0 is no density; the other is one that this scene is too large for. */
+        REFUSE(texels_per_unit, bad[i], bad[i] < 0 ? ETD_INVALID_ARGUMENT : ETD_INVALID_SCENE);
     }
     options.resolution = 8192;
     options.memory = 16;

@@ -130,7 +130,82 @@ static void surfaces_without_materials(void) {
     etd_scene_release(own);
 }
 
+/* A call is refused for an argument, with a message that has this in it. */
+static void refused_for(etd_status got, const char *what) {
+    CHECK_STATUS(got, ETD_INVALID_ARGUMENT);
+    if (!CHECK(strstr(etd_last_error_message(), what) != NULL)) {
+        fprintf(stderr, "  the message has no '%s'\n", what);
+    }
+}
+
+static void film_of(uint32_t width, uint32_t height, const char *what) {
+    etd_film_options options = ETD_FILM_OPTIONS_INIT;
+    etd_film *none = NULL;
+    options.width = width;
+    options.height = height;
+    refused_for(etd_film_new(device, &options, &none), what);
+    CHECK(none == NULL);
+}
+
+static void atlas_of(const etd_atlas_options *options, const char *what) {
+    etd_atlas *none = NULL;
+    refused_for(etd_atlas_new(scene, options, &none), what);
+    CHECK(none == NULL);
+}
+
+/* Options are named, with their sides, and so is memory that is not aligned. */
+static void options_and_buffers(void) {
+    static float pixels[4 * 64 * 64];
+    static char texels[80];
+    etd_film_options options = ETD_FILM_OPTIONS_INIT;
+    etd_atlas_options layout = ETD_ATLAS_OPTIONS_INIT;
+    etd_image_options floats = ETD_IMAGE_OPTIONS_INIT;
+    etd_mesh mesh = small_mesh();
+    etd_texture texture = small_texture();
+    etd_film *none = NULL;
+    uint32_t number = 77;
+    film_of(0, 4, "options.width is 0");
+    film_of(4, 0, "options.height is 0");
+    film_of(UINT32_MAX, 4, "options.width is 4294967295");
+    film_of(4, UINT32_MAX, "options.height is 4294967295");
+    film_of(65536, 65537, "options.height is 65537, expected ");
+    film_of(65537, 65536, "at most beside a height of 65536");
+    options.width = options.height = 4;
+    options.layers = 1u << 31;
+    refused_for(etd_film_new(device, &options, &none), "options.layers");
+    options.layers = 0;
+    options.reserved = 1;
+    refused_for(etd_film_new(device, &options, &none), "options.reserved");
+
+    layout.gutter = 65;
+    atlas_of(&layout, "options.gutter");
+    layout.gutter = 0;
+    layout.resolution = 8193;
+    atlas_of(&layout, "options.resolution");
+    layout.resolution = 0;
+    layout.max_angle_deg = 90;
+    atlas_of(&layout, "options.max_angle_deg");
+    layout.max_angle_deg = 0;
+    layout.texels_per_unit = -1;
+    atlas_of(&layout, "options.texels_per_unit");
+
+    floats.format = ETD_FORMAT_FLOAT;
+    refused_for(etd_film_copy(film, ETD_LAYER_COLOR, &floats, (char *)pixels + 1, sizeof pixels - 1, 0),
+                "pixels is not aligned to 4 bytes");
+    refused_for(etd_film_copy(film, ETD_LAYER_COLOR, &floats, pixels, sizeof pixels, 3), "row_stride is 3");
+    mesh.positions = (const float *)(const void *)(texels + 1);
+    refused_for(etd_scene_add_mesh(scene, &mesh, &number), "is not aligned to 4 bytes");
+    mesh = small_mesh();
+    mesh.position_stride = 13;
+    refused_for(etd_scene_add_mesh(scene, &mesh, &number), "a stride of 13 bytes is not a multiple of 4");
+    texture.texel_format = ETD_TEXEL_FLOAT;
+    texture.texels = texels + 1;
+    refused_for(etd_scene_add_texture(scene, NULL, &texture, &number), "is not aligned to 4 bytes");
+    CHECK(number == 77);
+}
+
 void misuse_errors(void) {
     paths_of_additions();
     surfaces_without_materials();
+    options_and_buffers();
 }
