@@ -45,13 +45,20 @@ struct Pool {
     pool: Option<rayon::ThreadPool>,
     threads: usize,
     handles: Mutex<Vec<JoinHandle<()>>>,
+    /// The process that has the threads. A child of it has only the thread that made the child.
+    process: u32,
 }
 
 impl Drop for Pool {
     fn drop(&mut self) {
+        let handles = std::mem::take(&mut *lock(&self.handles));
+        if self.process != std::process::id() {
+            // No thread is there to be ended, and what the threads held is held for ever.
+            std::mem::forget((self.pool.take(), handles));
+            return;
+        }
         drop(self.pool.take());
         let own = std::thread::current().id();
-        let handles = std::mem::take(&mut *lock(&self.handles));
         for handle in handles {
             // The last clone may be dropped by a job of the pool itself, which cannot wait for itself to end.
             if handle.thread().id() != own {
@@ -83,7 +90,7 @@ impl Workers {
             .build()
             .map_err(|error| Error::new(ErrorKind::Device, "the worker threads could not be started").because(error))?;
         let threads = pool.current_num_threads();
-        Ok(Self(Arc::new(WorkerKind::Pool(Pool { pool: Some(pool), threads, handles }))))
+        Ok(Self(Arc::new(WorkerKind::Pool(Pool { pool: Some(pool), threads, handles, process: std::process::id() }))))
     }
 
     /// The calling thread of a render, and no other thread.
@@ -112,8 +119,16 @@ impl Workers {
     /// [`PROGRESS_INTERVAL`].
     ///
     /// # Errors
-    /// [`ErrorKind::Internal`] if the work panicked.
+    /// [`ErrorKind::Internal`] if the work panicked, [`ErrorKind::Unsupported`] for a pool of the process that this one was
+    /// forked from.
     pub(super) fn run<W: SharedWork>(&self, work: W, poll: &mut dyn FnMut(&W)) -> Result<Arc<W>> {
+        if let WorkerKind::Pool(pool) = &*self.0
+            && pool.process != std::process::id()
+        {
+            let message = "the threads are those of the process that this one was forked from, expected threads that were \
+                 started after the fork";
+            return Err(Error::new(ErrorKind::Unsupported, message));
+        }
         let work = Arc::new(work);
         let job = Arc::new(RunningJob::new(&work));
         // No helper may begin after this function has returned, even if `poll` panics.

@@ -7,6 +7,7 @@
 #include <locale.h>
 #include <signal.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "check.h"
@@ -106,6 +107,53 @@ static void everything(uint32_t threads) {
     CHECK(own_threads() == 0);
 }
 
+/* A child has none of the threads of its parent: it may edit, build, ask and release, and is refused renders, which would wait for ever,
+ * until it has a device of its own. */
+static void after_fork(void) {
+    etd_device *device = new_device(2);
+    etd_scene *scene = new_scene(device);
+    etd_film *film = new_film(device, 40, 30, 0);
+    const etd_render_options options = short_render(2);
+    pid_t child;
+    int status = -1;
+    CHECK_OK(etd_render(scene, film, &options));
+    child = fork();
+    CHECK(child >= 0);
+    if (child == 0) {
+        const unsigned long failed = check_counts.failed;
+        const etd_ray ray = {{0, 1, 9}, 0, {0, 0, -1}, 100};
+        etd_hit hit;
+        etd_task *task = NULL;
+        alarm(120);
+        CHECK_OK(etd_scene_remove_surface(scene, 2));
+        CHECK_OK(etd_scene_commit(scene, NULL, NULL));
+        CHECK_OK(etd_scene_intersect(scene, &ray, 1, &hit));
+        CHECK(hit.surface == 1);
+        CHECK_STATUS(etd_render(scene, film, &options), ETD_UNSUPPORTED);
+        CHECK_OK(etd_render_start(scene, film, &options, &task));
+        CHECK_STATUS(etd_task_wait(task, -1), ETD_UNSUPPORTED);
+        etd_task_release(task);
+        etd_film_release(film);
+        etd_scene_release(scene);
+        etd_device_release(device);
+        device = new_device(2);
+        scene = new_scene(device);
+        film = new_film(device, 40, 30, 0);
+        CHECK_OK(etd_render(scene, film, &options));
+        etd_film_release(film);
+        etd_scene_release(scene);
+        etd_device_release(device);
+        _exit(check_counts.failed == failed ? 0 : 1);
+    }
+    CHECK(waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    /* The parent has not noticed. */
+    CHECK_OK(etd_render(scene, film, &options));
+    etd_film_release(film);
+    etd_scene_release(scene);
+    etd_device_release(device);
+    CHECK(own_threads() == 0);
+}
+
 int main(void) {
     struct process before, after;
     char path[] = "/tmp/etendue-process-XXXXXX";
@@ -123,6 +171,7 @@ int main(void) {
     look(&before);
     everything(1);
     everything(2);
+    after_fork();
     look(&after);
     fflush(stdout);
     fflush(stderr);
