@@ -57,17 +57,28 @@ fn written(
     Ok(file)
 }
 
-/// A number for the contents of a file: FNV-1a (Fowler, Noll and Vo), with 64 bits.
+/// The hash FNV-1a (Fowler, Noll and Vo), with 64 bits.
+pub(crate) mod fnv {
+    /// The hash of nothing.
+    pub(crate) const BEGIN: u64 = 0xcbf2_9ce4_8422_2325;
+
+    /// The hash of what has the hash `before`, followed by `bytes`.
+    pub(crate) fn continued(before: u64, bytes: &[u8]) -> u64 {
+        bytes.iter().fold(before, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
+    }
+}
+
+/// A number for the contents of a file.
 fn hash(file: &mut File) -> std::io::Result<u64> {
     file.seek(SeekFrom::Start(0))?;
     let mut reader = BufReader::with_capacity(1 << 16, file);
-    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    let mut hash = fnv::BEGIN;
     loop {
         let bytes = reader.fill_buf()?;
         if bytes.is_empty() {
             return Ok(hash);
         }
-        hash = bytes.iter().fold(hash, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3));
+        hash = fnv::continued(hash, bytes);
         let count = bytes.len();
         reader.consume(count);
     }

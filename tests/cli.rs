@@ -1121,6 +1121,133 @@ fn bakes_that_cannot_be_done_have_exit_code_2() {
     assert_eq!(names(folder.path()), ["empty.json", "square.json"]);
 }
 
+/// A render with a checkpoint, for the tests of these.
+fn kept_render<'a>(scene: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+    let mut args = vec!["render", scene, "--resolution", "40x36", "--checkpoint", "state"];
+    args.extend(more);
+    args
+}
+
+/// A run that is killed at any time leaves a checkpoint from which the next goes on to the same image.
+#[test]
+fn a_killed_render_goes_on_from_its_checkpoint() {
+    let folder = folder();
+    let room = scene("caustic-room.json");
+    let state = folder.path().join("state");
+    for (integrator, samples) in [("path", "512"), ("sppm", "48")] {
+        let common =
+            ["--integrator", integrator, "--spp", samples, "--photons", "20000", "--caustic-photons", "20000", "-q"];
+        let whole = ["render", &room, "--resolution", "40x36", "-o", "whole.pfm"];
+        etendue(folder.path(), whole.into_iter().chain(common)).assert_done();
+        let run = |more: &[&str]| {
+            let mut args = kept_render(&room, &common);
+            args.extend(if state.exists() { ["--resume", "state"].as_slice() } else { &[] });
+            args.extend(more);
+            command(folder.path(), args)
+        };
+        let mut kills = 0;
+        for milliseconds in [30, 0, 60, 10, 90] {
+            let before = fs::read(&state).unwrap_or_default();
+            let mut child = run(&["--checkpoint-every", "0.01"]).spawn().unwrap();
+            // Until the run has replaced the checkpoint at least once, or has ended.
+            while fs::read(&state).unwrap_or_default() == before && child.try_wait().unwrap().is_none() {
+                std::thread::sleep(Duration::from_millis(2));
+            }
+            std::thread::sleep(Duration::from_millis(milliseconds));
+            if child.try_wait().unwrap().is_some() {
+                break;
+            }
+            child.kill().unwrap();
+            child.wait().unwrap();
+            kills += 1;
+            etendue::render::Checkpoint::read(&state).unwrap();
+        }
+        assert!(kills > 0, "no run could be killed");
+        Run::from(run(&["-o", "resumed.pfm"]).output().unwrap()).assert_done();
+        let [whole, resumed] = ["whole.pfm", "resumed.pfm"].map(|name| fs::read(folder.path().join(name)).unwrap());
+        assert!(whole == resumed, "{integrator}");
+        fs::remove_file(&state).unwrap();
+    }
+}
+
+#[test]
+fn parts_of_a_picture_are_merged() {
+    let folder = folder();
+    let cornell = scene("cornell.json");
+    let size = ["--resolution", "70x50", "--spp", "4", "--threads", "2", "-q"];
+    for (part, share) in [("a", "1/3"), ("b", "2/3"), ("c", "3/3")] {
+        let args = ["render", &cornell, "--checkpoint", part, "--share", share].into_iter().chain(size);
+        etendue(folder.path(), args).assert_done();
+    }
+    etendue(folder.path(), ["render", &cornell, "-o", "whole.pfm"].into_iter().chain(size)).assert_done();
+    let run = etendue(folder.path(), ["merge", "c", "a", "b", "-o", "merged.pfm", "merged.exr", "--checkpoint", "all"]);
+    run.assert_done();
+    assert!(run.stderr.contains("merged 3 checkpoints: 4 samples per pixel"), "{}", run.stderr);
+    let [whole, merged] = ["whole.pfm", "merged.pfm"].map(|name| fs::read(folder.path().join(name)).unwrap());
+    assert!(whole == merged);
+    assert!(output::read(&folder.path().join("merged.exr")).unwrap().layer("albedo").is_some());
+    // What was merged is a checkpoint of the whole.
+    etendue(folder.path(), ["merge", "all", "-o", "again.pfm", "-q"]).assert_done();
+    assert!(whole == fs::read(folder.path().join("again.pfm")).unwrap());
+
+    let merge = |args: &[&str]| etendue(folder.path(), ["merge"].iter().chain(args).chain(&["-o", "x.pfm"]));
+    merge(&["a", "c"]).assert_refused("of 3 shares, these are missing: 2");
+    merge(&["a", "b", "c", "b"]).assert_refused("share 2 is given twice");
+    merge(&["a", "whole.pfm", "c"]).assert_refused("whole.pfm: this is no checkpoint of a render");
+    merge(&["a", "none"]).assert_refused("none: cannot open the file");
+    let mut bytes = fs::read(folder.path().join("b")).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 4;
+    fs::write(folder.path().join("b"), bytes).unwrap();
+    merge(&["a", "b", "c"]).assert_refused("b: the checkpoint is damaged: a checksum does not match");
+    assert!(!folder.path().join("x.pfm").exists());
+
+    let resume =
+        |args: &[&str]| etendue(folder.path(), ["render", "-o", "x.pfm", "--resume", "all"].iter().chain(args));
+    let room = scene("room.json");
+    resume(&[&room, "--resolution", "70x50", "--spp", "4"])
+        .assert_refused("all: the checkpoint was made of another scene");
+    let other = ["--resolution", "70x50", "--seed", "7"];
+    resume(&[&[cornell.as_str()], other.as_slice()].concat())
+        .assert_refused("all: the checkpoint was made with `seed`");
+    for (args, what) in [
+        (["--share", "4/3", "--checkpoint", "d"].as_slice(), "expected a number from 1 to that of the parts"),
+        (&["--share", "1/3"], "--checkpoint"),
+        (&["--share", "one", "--checkpoint", "d"], "expected part K of N"),
+        (&["--checkpoint", "d", "--frames", "1-2"], "--frames"),
+    ] {
+        let run = etendue(folder.path(), ["render", &cornell, "-o", "x.pfm"].iter().chain(args));
+        run.assert_refused_by_grammar(what);
+    }
+    let share = ["render", &cornell, "--checkpoint", "d", "--share", "1/2", "--target-error", "0.1"];
+    etendue(folder.path(), share).assert_refused("a share");
+}
+
+/// A full disk leaves the checkpoint before, and the image is written all the same.
+#[cfg(unix)]
+#[test]
+fn a_checkpoint_that_cannot_be_written_is_told() {
+    let folder = folder();
+    let cornell = scene("cornell.json");
+    let state = folder.path().join("state");
+    fs::write(&state, "an older one").unwrap();
+    let args = ["render", &cornell, "--resolution", "16x12", "--spp", "4", "--checkpoint", "state", "-o", "a.png"];
+    // A limit of 16 blocks (8192 bytes) per file stands for a full disk; the checkpoint needs more.
+    let outcome = Command::new("sh")
+        .arg("-c")
+        .arg("trap '' XFSZ; ulimit -f 16; exec \"$0\" \"$@\"")
+        .arg(program())
+        .args(args)
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    let run = Run::from(outcome);
+    assert_eq!(run.code, Some(1), "{}", run.stderr);
+    assert!(run.stderr.contains("error: state: cannot write the checkpoint"), "{}", run.stderr);
+    assert_eq!(fs::read_to_string(&state).unwrap(), "an older one");
+    assert_eq!(names(folder.path()), ["a.png", "state"]);
+}
+
 /// Presses Ctrl-C on a run that began at `start`, and waits for its end.
 fn interrupt(mut child: std::process::Child, start: Instant) -> Run {
     let signal = Command::new("sh").arg("-c").arg(format!("kill -INT {}", child.id())).status().unwrap();

@@ -58,6 +58,7 @@ fn every_option_is_in_the_manual() {
     for (name, sub) in [
         ("render", "etendue-render.1"),
         ("convert", "etendue-convert.1"),
+        ("merge", "etendue-merge.1"),
         ("info", "etendue-info.1"),
         ("photons", "etendue-photons.1"),
         ("bake", "etendue-bake.1"),

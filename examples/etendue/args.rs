@@ -14,7 +14,7 @@ use etendue::desc::{
 use etendue::film::ErrorMeasure;
 use etendue::math::DVec3;
 use etendue::output::ToneMap;
-use etendue::render::{MAX_THREADS, MOST_SAMPLES};
+use etendue::render::{MAX_THREADS, MOST_SAMPLES, Share};
 use etendue::spectrum::{Primaries, Sensor, VISIBLE};
 
 /// Physically based rendering of scene files.
@@ -33,9 +33,11 @@ pub struct Cli {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Render a scene to image files.
-    Render(RenderArgs),
+    Render(Box<RenderArgs>),
     /// Write any scene as a scene file of the native format, with its meshes and images beside it.
     Convert(ConvertArgs),
+    /// Put the parts of a picture together that were rendered by several processes.
+    Merge(MergeArgs),
     /// Say what a scene holds, what was built for it and why.
     Info(InfoArgs),
     /// Write the photons of a map, or draw them.
@@ -57,7 +59,7 @@ pub struct RenderArgs {
     /// Parameter file of a scene of the 2017 report.
     pub params: Option<PathBuf>,
     /// Image files to write, by extension: .exr, .pfm or .png. Put them after the scene, or repeat the option.
-    #[arg(short, long, value_name = "FILE", required = true, num_args = 1..)]
+    #[arg(short, long, value_name = "FILE", required_unless_present = "checkpoint", num_args = 1..)]
     pub output: Vec<PathBuf>,
 
     /// Threads; 0 takes all there are.
@@ -178,6 +180,9 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N|none", value_parser = parse_depth)]
     pub max_depth: Option<Depth>,
 
+    #[command(flatten)]
+    pub state: CheckpointArgs,
+
     /// A file for what the render came to: one JSON object.
     #[arg(long, value_name = "FILE")]
     pub stats: Option<PathBuf>,
@@ -195,6 +200,49 @@ pub struct RenderArgs {
     #[arg(allow_negative_numbers = true, value_parser = parse_exposure)]
     pub exposure: f32,
     /// No progress and no summary; warnings and errors stay.
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+/// The options of `render` about checkpoints.
+#[derive(Debug, Args)]
+pub struct CheckpointArgs {
+    /// A file for the state of the render, written every so often and at the end, also where a signal stops the render.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "spectral_layers"])]
+    pub checkpoint: Option<PathBuf>,
+    /// Seconds from one checkpoint to the next.
+    #[arg(long, value_name = "SECONDS", default_value = "60", requires = "checkpoint", value_parser = parse_time)]
+    pub checkpoint_every: Duration,
+    /// Go on from a checkpoint of the same scene and settings. Of these, only the number of samples, time, errors and threads may differ.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "spectral_layers"])]
+    pub resume: Option<PathBuf>,
+    /// Render part K of N of the picture, such as 3/16, into a checkpoint; `merge` makes the picture of all parts.
+    #[arg(long, value_name = "K/N", value_parser = parse_share, requires = "checkpoint", conflicts_with_all = ["frames", "spectral_layers"])]
+    pub share: Option<Share>,
+}
+
+#[derive(Debug, Args)]
+pub struct MergeArgs {
+    /// Checkpoints of all parts of a picture, in any order; or one of a whole picture, which is written as images.
+    #[arg(value_name = "CHECKPOINT", required = true, num_args = 1..)]
+    pub parts: Vec<PathBuf>,
+    /// Image files to write, by extension: .exr, .pfm or .png. Put them after the checkpoints, or repeat the option.
+    #[arg(short, long, value_name = "FILE", required_unless_present = "checkpoint", num_args = 1..)]
+    pub output: Vec<PathBuf>,
+    /// A file for the checkpoint of the whole picture.
+    #[arg(long, value_name = "FILE")]
+    pub checkpoint: Option<PathBuf>,
+    /// How radiance becomes brightness in a PNG.
+    #[arg(long, value_enum, default_value_t = Tone::Clamp)]
+    pub tone_map: Tone,
+    /// Primaries of the colours of an EXR or PFM; a PNG is always sRGB.
+    #[arg(long, value_enum, default_value_t = Space::Rec709)]
+    pub primaries: Space,
+    /// Brightness of a PNG in stops: 1 doubles it.
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0)]
+    #[arg(allow_negative_numbers = true, value_parser = parse_exposure)]
+    pub exposure: f32,
+    /// No summary; warnings and errors stay.
     #[arg(short, long)]
     pub quiet: bool,
 }
@@ -759,6 +807,14 @@ fn parse_frames(text: &str) -> Result<Frames, String> {
     let (first, last) = text.split_once('-').unwrap_or((text, text));
     let frames = Frames { first: number(first)?, last: number(last)? };
     if frames.last < frames.first { Err(wrong()) } else { Ok(frames) }
+}
+
+fn parse_share(text: &str) -> Result<Share, String> {
+    let wrong = || "expected part K of N, such as 3/16".to_owned();
+    let (number, count) = text.split_once('/').ok_or_else(wrong)?;
+    let [number, count] = [number, count].map(|text| text.parse().ok());
+    let (number, count) = number.zip(count).ok_or_else(wrong)?;
+    Share::new(number, count).map_err(|error| error.message().to_owned())
 }
 
 fn parse_radius(text: &str) -> Result<f64, String> {

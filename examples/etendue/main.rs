@@ -7,6 +7,7 @@
 mod args;
 mod bake;
 mod bench;
+mod checkpoint;
 mod compare;
 mod console;
 mod convert;
@@ -59,6 +60,7 @@ fn main() -> ExitCode {
         Command::Render(args) => render::render(&args),
         Command::Convert(args) => convert::convert(&args),
         Command::Info(args) => render::info(&args),
+        Command::Merge(args) => checkpoint::merge(&args),
         Command::Photons(args) => photons::photons(&args),
         Command::Bake(args) => bake::bake(&args),
         Command::Lux(args) => lux::lux(&args),

@@ -17,6 +17,7 @@ use etendue::render::{MOST_SAMPLES, NonFiniteSample, Progress, Render, RenderSet
 use etendue::scene::{BuildOptions, Scene};
 
 use crate::args::{InfoArgs, RenderArgs, Switch};
+use crate::checkpoint;
 use crate::console::{self, Bar};
 use crate::layers::{self, Bands};
 use crate::stats::Stats;
@@ -188,7 +189,13 @@ fn render_frame(
         auxiliary: layers,
         ..RenderSettings::default()
     };
-    let mut render = Render::new(scene, settings.clone())?;
+    let (settings, resumed) = args.state.apply(settings, description)?;
+    let mut render = match resumed {
+        None => Render::new(scene, settings.clone())?,
+        Some(checkpoint) => {
+            Render::resume(scene, settings.clone(), checkpoint).map_err(|error| args.state.named(error))?
+        }
+    };
     // Warnings about the scene's own integrator were printed with those of the scene.
     if desc.integrator == IntegratorDesc::Radiosity && description.render.integrator != IntegratorDesc::Radiosity {
         scene.info().not_diffuse.iter().for_each(console::warn);
@@ -238,6 +245,7 @@ fn render_frame(
         stats.write(&frame_file(path, number)).map_err(Failure::running)?;
     }
     report(&summary, description, args.quiet);
+    checkpoint::check(&summary)?;
     Ok(if is_stopped && interrupt::requested() { interrupt::EXIT_CODE } else { 0 })
 }
 
@@ -282,6 +290,12 @@ fn check_outputs(args: &RenderArgs) -> Result<bool, Failure> {
         Ok(())
     };
     let mut layers = false;
+    if let Some(path) = &args.state.checkpoint {
+        output::check_text_target(path)?;
+        check(path)?;
+        // The images are made of it later, and some have layers.
+        layers = true;
+    }
     let numbers = args.frames.map_or(vec![None], |frames| (frames.first..=frames.last).map(Some).collect());
     let has_several = numbers.len() > 1;
     let name = |path: &Path, number| {

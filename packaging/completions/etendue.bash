@@ -37,6 +37,9 @@ _etendue() {
             etendue,lux)
                 cmd="etendue__subcmd__lux"
                 ;;
+            etendue,merge)
+                cmd="etendue__subcmd__merge"
+                ;;
             etendue,photons)
                 cmd="etendue__subcmd__photons"
                 ;;
@@ -64,6 +67,9 @@ _etendue() {
             etendue__subcmd__help,lux)
                 cmd="etendue__subcmd__help__subcmd__lux"
                 ;;
+            etendue__subcmd__help,merge)
+                cmd="etendue__subcmd__help__subcmd__merge"
+                ;;
             etendue__subcmd__help,photons)
                 cmd="etendue__subcmd__help__subcmd__photons"
                 ;;
@@ -77,7 +83,7 @@ _etendue() {
 
     case "${cmd}" in
         etendue)
-            opts="-h -V --help --version render convert info photons bake lux compare bench help"
+            opts="-h -V --help --version render convert merge info photons bake lux compare bench help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -299,7 +305,7 @@ _etendue() {
             return 0
             ;;
         etendue__subcmd__help)
-            opts="render convert info photons bake lux compare bench help"
+            opts="render convert merge info photons bake lux compare bench help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -397,6 +403,20 @@ _etendue() {
             return 0
             ;;
         etendue__subcmd__help__subcmd__lux)
+            opts=""
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        etendue__subcmd__help__subcmd__merge)
             opts=""
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
@@ -526,6 +546,44 @@ _etendue() {
             COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
             return 0
             ;;
+        etendue__subcmd__merge)
+            opts="-o -q -h --output --checkpoint --tone-map --primaries --exposure --quiet --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                --output)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                -o)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --checkpoint)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --tone-map)
+                    COMPREPLY=($(compgen -W "maximum clamp reinhard aces" -- "${cur}"))
+                    return 0
+                    ;;
+                --primaries)
+                    COMPREPLY=($(compgen -W "rec709 rec2020 acescg xyz" -- "${cur}"))
+                    return 0
+                    ;;
+                --exposure)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
         etendue__subcmd__photons)
             opts="-o -q -h --output --map --photons --threads --seed --max-depth --color --resolution --origin --look-at --up --field-of-view --quiet --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
@@ -589,7 +647,7 @@ _etendue() {
             return 0
             ;;
         etendue__subcmd__render)
-            opts="-o -q -h --output --threads --camera --at --animation --time-at --frames --frame-rate --spp --time --target-error --target-display --adaptive --seed --resolution --crop --integrator --reuse --spectral --spectral-layers --spectral-range --white-balance --filter --sampler --shadow-rays --roulette --photons --photon-radius --caustic-photons --caustic-radius --iterations --element-size --radiosity-error --radiosity-solver --ambient --final-gather --max-depth --stats --progressive --tone-map --primaries --exposure --quiet --help"
+            opts="-o -q -h --output --threads --camera --at --animation --time-at --frames --frame-rate --spp --time --target-error --target-display --adaptive --seed --resolution --crop --integrator --reuse --spectral --spectral-layers --spectral-range --white-balance --filter --sampler --shadow-rays --roulette --photons --photon-radius --caustic-photons --caustic-radius --iterations --element-size --radiosity-error --radiosity-solver --ambient --final-gather --max-depth --checkpoint --checkpoint-every --resume --share --stats --progressive --tone-map --primaries --exposure --quiet --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -744,6 +802,22 @@ _etendue() {
                     return 0
                     ;;
                 --max-depth)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --checkpoint)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --checkpoint-every)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --resume)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --share)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;

@@ -28,6 +28,7 @@ complete -c etendue -n "__fish_etendue_needs_command" -s h -l help -d 'Print hel
 complete -c etendue -n "__fish_etendue_needs_command" -s V -l version -d 'Print version'
 complete -c etendue -n "__fish_etendue_needs_command" -f -a "render" -d 'Render a scene to image files'
 complete -c etendue -n "__fish_etendue_needs_command" -f -a "convert" -d 'Write any scene as a scene file of the native format, with its meshes and images beside it'
+complete -c etendue -n "__fish_etendue_needs_command" -f -a "merge" -d 'Put the parts of a picture together that were rendered by several processes'
 complete -c etendue -n "__fish_etendue_needs_command" -f -a "info" -d 'Say what a scene holds, what was built for it and why'
 complete -c etendue -n "__fish_etendue_needs_command" -f -a "photons" -d 'Write the photons of a map, or draw them'
 complete -c etendue -n "__fish_etendue_needs_command" -f -a "bake" -d 'Bake light maps: the irradiance of all surfaces, in texels and at vertices'
@@ -93,6 +94,10 @@ off\t''"
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l final-gather -d 'Radiosity: direct light from light samples, indirect light from a ray into the solution; alone it means on' -r -f -a "on\t''
 off\t''"
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l max-depth -d 'Greatest number of surface hits on a path, or none for no cut' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l checkpoint -d 'A file for the state of the render, written every so often and at the end, also where a signal stops the render' -r -F
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l checkpoint-every -d 'Seconds from one checkpoint to the next' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l resume -d 'Go on from a checkpoint of the same scene and settings. Of these, only the number of samples, time, errors and threads may differ' -r -F
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l share -d 'Render part K of N of the picture, such as 3/16, into a checkpoint; `merge` makes the picture of all parts' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l stats -d 'A file for what the render came to: one JSON object' -r -F
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l tone-map -d 'How radiance becomes brightness in a PNG' -r -f -a "maximum\t'Divide by the largest value of the image'
 clamp\t'1 is white, and so is all above'
@@ -112,6 +117,19 @@ complete -c etendue -n "__fish_etendue_using_subcommand convert" -l at -d 'Secon
 complete -c etendue -n "__fish_etendue_using_subcommand convert" -l animation -d 'Name or number of the animation of a glTF file, in place of the first one' -r
 complete -c etendue -n "__fish_etendue_using_subcommand convert" -s q -l quiet -d 'No summary; warnings and errors stay'
 complete -c etendue -n "__fish_etendue_using_subcommand convert" -s h -l help -d 'Print help'
+complete -c etendue -n "__fish_etendue_using_subcommand merge" -s o -l output -d 'Image files to write, by extension: .exr, .pfm or .png. Put them after the checkpoints, or repeat the option' -r -F
+complete -c etendue -n "__fish_etendue_using_subcommand merge" -l checkpoint -d 'A file for the checkpoint of the whole picture' -r -F
+complete -c etendue -n "__fish_etendue_using_subcommand merge" -l tone-map -d 'How radiance becomes brightness in a PNG' -r -f -a "maximum\t'Divide by the largest value of the image'
+clamp\t'1 is white, and so is all above'
+reinhard\t'x / (1 + x)'
+aces\t'A film-like curve'"
+complete -c etendue -n "__fish_etendue_using_subcommand merge" -l primaries -d 'Primaries of the colours of an EXR or PFM; a PNG is always sRGB' -r -f -a "rec709\t'Rec. 709, white D65'
+rec2020\t'Rec. 2020, white D65'
+acescg\t'ACEScg, adapted to its white'
+xyz\t'Tristimulus values of CIE 1931'"
+complete -c etendue -n "__fish_etendue_using_subcommand merge" -l exposure -d 'Brightness of a PNG in stops: 1 doubles it' -r
+complete -c etendue -n "__fish_etendue_using_subcommand merge" -s q -l quiet -d 'No summary; warnings and errors stay'
+complete -c etendue -n "__fish_etendue_using_subcommand merge" -s h -l help -d 'Print help (see more with \'--help\')'
 complete -c etendue -n "__fish_etendue_using_subcommand info" -l threads -d 'Threads to build with; 0 takes all there are' -r
 complete -c etendue -n "__fish_etendue_using_subcommand info" -s h -l help -d 'Print help'
 complete -c etendue -n "__fish_etendue_using_subcommand photons" -s o -l output -d 'Files to write, by extension: tables (.csv), point clouds (.ply), pictures (.png, .exr, .pfm). Put them after the scene, or repeat the option' -r -F
@@ -206,12 +224,13 @@ complete -c etendue -n "__fish_etendue_using_subcommand bench" -l report-only -d
 complete -c etendue -n "__fish_etendue_using_subcommand bench" -l tables -d 'Markdown file in which the tables between <!-- bench GROUP --> and <!-- /bench --> are written anew' -r -F
 complete -c etendue -n "__fish_etendue_using_subcommand bench" -s q -l quiet -d 'No progress and no summary; warnings and errors stay'
 complete -c etendue -n "__fish_etendue_using_subcommand bench" -s h -l help -d 'Print help (see more with \'--help\')'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake lux compare bench help" -f -a "render" -d 'Render a scene to image files'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake lux compare bench help" -f -a "convert" -d 'Write any scene as a scene file of the native format, with its meshes and images beside it'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake lux compare bench help" -f -a "info" -d 'Say what a scene holds, what was built for it and why'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake lux compare bench help" -f -a "photons" -d 'Write the photons of a map, or draw them'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake lux compare bench help" -f -a "bake" -d 'Bake light maps: the irradiance of all surfaces, in texels and at vertices'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake lux compare bench help" -f -a "lux" -d 'Calculate illuminance [lx] and luminance [cd/m²] at points, with the figures of lighting design'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake lux compare bench help" -f -a "compare" -d 'Measure how far image A is from the reference B'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake lux compare bench help" -f -a "bench" -d 'Measure time and error of scenes against references, and write a report'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake lux compare bench help" -f -a "help" -d 'Print this message or the help of the given subcommand(s)'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert merge info photons bake lux compare bench help" -f -a "render" -d 'Render a scene to image files'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert merge info photons bake lux compare bench help" -f -a "convert" -d 'Write any scene as a scene file of the native format, with its meshes and images beside it'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert merge info photons bake lux compare bench help" -f -a "merge" -d 'Put the parts of a picture together that were rendered by several processes'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert merge info photons bake lux compare bench help" -f -a "info" -d 'Say what a scene holds, what was built for it and why'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert merge info photons bake lux compare bench help" -f -a "photons" -d 'Write the photons of a map, or draw them'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert merge info photons bake lux compare bench help" -f -a "bake" -d 'Bake light maps: the irradiance of all surfaces, in texels and at vertices'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert merge info photons bake lux compare bench help" -f -a "lux" -d 'Calculate illuminance [lx] and luminance [cd/m²] at points, with the figures of lighting design'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert merge info photons bake lux compare bench help" -f -a "compare" -d 'Measure how far image A is from the reference B'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert merge info photons bake lux compare bench help" -f -a "bench" -d 'Measure time and error of scenes against references, and write a report'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert merge info photons bake lux compare bench help" -f -a "help" -d 'Print this message or the help of the given subcommand(s)'

@@ -10,7 +10,7 @@ use super::{
     CacheDesc, CacheSource, IntegratorDesc, PhotonDesc, PhotonSharing, RadiosityDesc, RadiositySolver, RenderDesc,
     RouletteDesc, SamplerDesc, filter, photon_keys, white_balance,
 };
-use crate::Result;
+use crate::{Error, ErrorKind, Result};
 
 /// Writes render settings, whose numbers have been checked: resolution, samples, sampler and integrator, and what differs from its
 /// default.
@@ -45,6 +45,14 @@ pub(super) fn write(render: &RenderDesc) -> Result<Box<RawValue>> {
     let block = with_photons(block, &render.photons);
     let block = with_cache(block, &render.cache);
     raw(&with_radiosity(block, &render.radiosity))
+}
+
+impl RenderDesc {
+    /// The `render` block that a scene file has for these settings.
+    pub(crate) fn to_value(&self) -> Result<serde_json::Value> {
+        serde_json::from_str(write(self)?.get())
+            .map_err(|error| Error::new(ErrorKind::Internal, format!("the settings are no JSON: {error}")))
+    }
 }
 
 /// Writes an integrator: its name, or an object where it has settings that differ from their defaults.

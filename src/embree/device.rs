@@ -69,6 +69,48 @@ struct DeviceMonitor {
     error: Mutex<Option<(sys::RTCError, String)>>,
 }
 
+impl DeviceInner {
+    /// Version of the Embree library found at run time: major, minor, patch.
+    pub(super) fn version(&self) -> [u32; 3] {
+        // SAFETY: `raw` is a device as long as `self` is there.
+        let version = unsafe { sys::rtcGetDeviceProperty(self.raw, sys::RTC_DEVICE_PROPERTY_VERSION) } as u32;
+        [version / 10_000, version / 100 % 100, version % 100]
+    }
+}
+
+/// The widest instructions of this processor among those that Embree has code for, by which it chooses. The last bits of hits depend on
+/// them.
+pub(crate) fn instruction_set() -> &'static str {
+    #[cfg(target_arch = "x86_64")]
+    {
+        let has_avx512 = std::is_x86_feature_detected!("avx512f")
+            && std::is_x86_feature_detected!("avx512dq")
+            && std::is_x86_feature_detected!("avx512cd")
+            && std::is_x86_feature_detected!("avx512bw")
+            && std::is_x86_feature_detected!("avx512vl");
+        let has_avx2 = std::is_x86_feature_detected!("avx2")
+            && std::is_x86_feature_detected!("fma")
+            && std::is_x86_feature_detected!("bmi1")
+            && std::is_x86_feature_detected!("bmi2")
+            && std::is_x86_feature_detected!("lzcnt");
+        if has_avx512 {
+            "AVX-512"
+        } else if has_avx2 {
+            "AVX2"
+        } else if std::is_x86_feature_detected!("avx") {
+            "AVX"
+        } else if std::is_x86_feature_detected!("sse4.2") {
+            "SSE4.2"
+        } else {
+            "SSE2"
+        }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    {
+        "its instructions"
+    }
+}
+
 impl Device {
     /// Opens Embree.
     ///
@@ -123,9 +165,7 @@ impl Device {
 
     /// Version of the Embree library found at run time: major, minor, patch.
     pub fn version(&self) -> [u32; 3] {
-        // SAFETY: `raw` is a device as long as `inner` is there.
-        let version = unsafe { sys::rtcGetDeviceProperty(self.inner.raw, sys::RTC_DEVICE_PROPERTY_VERSION) } as u32;
-        [version / 10_000, version / 100 % 100, version % 100]
+        self.inner.version()
     }
 
     /// Threads that build a scene.

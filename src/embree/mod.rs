@@ -104,6 +104,7 @@ mod width;
 
 pub use budget::{Charge, MemoryBudget};
 pub use builder::{BuildQuality, GeometryId, SceneBuilder, SceneOptions};
+pub(crate) use device::instruction_set;
 pub use device::{Device, DeviceOptions};
 pub use mesh::{MAX_COORDINATE, MAX_TIME_STEPS, TriangleMesh, VertexBuffer};
 pub use packet::PACKET;

@@ -100,6 +100,11 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// Version of the Embree library found at run time: major, minor, patch.
+    pub fn version(&self) -> [u32; 3] {
+        self.inner.device.version()
+    }
+
     /// The first hit of `ray`. A ray that is not traceable (NaN, infinity, no direction, an empty or negative interval)
     /// hits nothing.
     ///

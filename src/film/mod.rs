@@ -9,6 +9,7 @@
 mod error;
 mod photon_state;
 mod pixel;
+mod tile_bytes;
 mod unknown_mean;
 
 pub(crate) use error::FEW_PIXELS;
@@ -170,6 +171,20 @@ impl Film {
             .try_reserve_exact(count * PIXELS_PER_TILE * bytes)
             .map_err(|error| out_of_memory().because(error))?;
         Ok(Self { options, tiles: tiles.into() })
+    }
+
+    /// A film with the same samples.
+    ///
+    /// # Errors
+    /// [`ErrorKind::OutOfMemory`].
+    pub(crate) fn copy_of(film: &Self) -> Result<Self> {
+        let copy = Self::new(film.options)?;
+        for (from, to) in film.tiles.iter().zip(&copy.tiles) {
+            let Tile { pixels, auxiliary, gathering } = &*lock(from);
+            let copied = Tile { pixels: copied(pixels)?, auxiliary: copied(auxiliary)?, gathering: copied(gathering)? };
+            *lock(to) = copied;
+        }
+        Ok(copy)
     }
 
     /// Options of the film.
@@ -414,6 +429,13 @@ fn write_pixel(
     if let Some(out) = out.get_mut(3 * place..3 * place + 3) {
         out.copy_from_slice(&three);
     }
+}
+
+fn copied<T: Copy>(values: &[T]) -> Result<Vec<T>> {
+    let mut copy = Vec::new();
+    copy.try_reserve_exact(values.len()).map_err(|error| out_of_memory().because(error))?;
+    copy.extend_from_slice(values);
+    Ok(copy)
 }
 
 fn out_of_memory() -> Error {

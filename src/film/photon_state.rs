@@ -1,5 +1,6 @@
 //! Photon statistics of a pixel that persist between passes.
 
+use super::tile_bytes::{AsBytes, Bytes, put_all};
 use crate::spectrum::Rgb;
 
 /// A gathering radius that shrinks as photons are found, and the statistics for that.
@@ -44,6 +45,21 @@ impl ShrinkingRadius {
     }
 }
 
+impl AsBytes for ShrinkingRadius {
+    fn put(&self, out: &mut Vec<u8>) {
+        let numbers = [self.radius, self.retained, self.found, self.estimates];
+        numbers.iter().for_each(|number| out.extend(number.to_le_bytes()));
+        out.extend(self.pass.to_le_bytes());
+    }
+
+    fn get(bytes: &mut Bytes<'_>) -> Option<Self> {
+        let numbers @ [radius, retained, found, estimates] = std::array::from_fn(|_| bytes.f32());
+        let is_possible = numbers.iter().all(|number| number.is_finite() && *number >= 0.0);
+        let pass = bytes.u32();
+        is_possible.then_some(Self { radius, retained, found, estimates, pass })
+    }
+}
+
 /// State of a pixel that persists between passes of photon mapping.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PixelPhotonState {
@@ -82,5 +98,21 @@ impl PixelPhotonState {
         let count = f64::from(self.samples[0]) + f64::from(self.samples[1]);
         let [a, b] = self.bias;
         (count > 0.0).then(|| std::array::from_fn(|channel| (a[channel] + b[channel]) / count))
+    }
+}
+
+impl AsBytes for PixelPhotonState {
+    fn put(&self, out: &mut Vec<u8>) {
+        self.caustic.put(out);
+        self.indirect.put(out);
+        put_all(self.bias.as_flattened(), out);
+        self.samples.iter().for_each(|count| out.extend(count.to_le_bytes()));
+    }
+
+    fn get(bytes: &mut Bytes<'_>) -> Option<Self> {
+        let (caustic, indirect) = (AsBytes::get(bytes)?, AsBytes::get(bytes)?);
+        let bias = [bytes.three(), bytes.three()];
+        let samples = [bytes.u32(), bytes.u32()];
+        bias.as_flattened().iter().all(|sum| sum.is_finite()).then_some(Self { caustic, indirect, bias, samples })
     }
 }

@@ -1,5 +1,6 @@
 //! A pixel: sums of its replicates, whose scatter gives its standard error.
 
+use super::tile_bytes::{AsBytes, Bytes, put_all};
 use crate::math::Vec3;
 use crate::spectrum::{LUMINANCE_WEIGHTS, Rgb};
 
@@ -172,6 +173,33 @@ impl Auxiliary {
     /// Mean depth of the samples that hit a surface; infinite where none did.
     pub fn mean_depth(&self) -> f32 {
         if self.hits == 0 { f32::INFINITY } else { (self.depth / f64::from(self.hits)) as f32 }
+    }
+}
+
+impl AsBytes for Pixel {
+    fn put(&self, out: &mut Vec<u8>) {
+        put_all(self.sums.as_flattened(), out);
+        put_all([&self.weight], out);
+        out.extend(self.count.to_le_bytes());
+        out.extend(self.non_finite.to_le_bytes());
+    }
+
+    fn get(bytes: &mut Bytes<'_>) -> Option<Self> {
+        let sums = std::array::from_fn(|_| bytes.three());
+        let pixel = Self { sums, weight: bytes.f64(), count: bytes.u32(), non_finite: bytes.u32() };
+        let is_finite = sums.as_flattened().iter().all(|sum| sum.is_finite()) && pixel.weight.is_finite();
+        (is_finite && pixel.non_finite <= pixel.count).then_some(pixel)
+    }
+}
+
+impl AsBytes for Auxiliary {
+    fn put(&self, out: &mut Vec<u8>) {
+        put_all(self.albedo.iter().chain(&self.normal).chain([&self.depth]), out);
+        out.extend(self.hits.to_le_bytes());
+    }
+
+    fn get(bytes: &mut Bytes<'_>) -> Option<Self> {
+        Some(Self { albedo: bytes.three(), normal: bytes.three(), depth: bytes.f64(), hits: bytes.u32() })
     }
 }
 

@@ -74,6 +74,37 @@ impl Stage {
         Some(Self { from, to, begin, end })
     }
 
+    /// A stage from `begin` to `end` without pixels, for a stage that is read.
+    pub fn empty([begin, end]: [u32; 2]) -> Self {
+        Self { from: Vec::new(), to: Vec::new(), begin, end }
+    }
+
+    /// Mean number of samples over all pixels at the beginning and at the end of the stage.
+    pub fn span(&self) -> [u32; 2] {
+        [self.begin, self.end]
+    }
+
+    /// Number of pixels.
+    pub fn pixel_count(&self) -> usize {
+        self.from.len()
+    }
+
+    /// The rows of an image of this width: numbers of samples at the beginning, and those at the end.
+    pub fn rows(&self, width: usize) -> impl Iterator<Item = [&[u32]; 2]> {
+        self.from.chunks(width).zip(self.to.chunks(width)).map(|(from, to)| [from, to])
+    }
+
+    /// Adds a row: `width` numbers of samples at the beginning, and as many at the end. `false` where memory is short, and for
+    /// goals that lie behind.
+    pub fn push_row(&mut self, [from, to]: [&[u32]; 2]) -> bool {
+        let has_room = self.from.try_reserve(from.len()).is_ok() && self.to.try_reserve(to.len()).is_ok();
+        if has_room {
+            self.from.extend_from_slice(from);
+            self.to.extend_from_slice(to);
+        }
+        has_room && from.iter().zip(to).all(|(from, to)| from <= to)
+    }
+
     /// The number of samples of each pixel when the mean over pixels is `level`. Every pixel has then taken the same fraction
     /// of the samples that it gets in this stage.
     pub(super) fn goals(&self, level: u32) -> Vec<u32> {

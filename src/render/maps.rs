@@ -7,7 +7,7 @@ use crate::Result;
 use crate::camera::Camera;
 use crate::control::Parallel;
 use crate::desc::{IntegratorDesc, RenderDesc};
-use crate::integrator::photon::Plan;
+use crate::integrator::photon::{Plan, PlanState};
 use crate::scene::Scene;
 use crate::spectrum::{SampledSpectrum, Sensor};
 
@@ -49,6 +49,16 @@ impl Maps {
             Self::Colours(plan) => Method::Gather(Box::new(plan.gather(sample, parallel)?)),
             Self::Wavelengths(plan) => Method::SpectralGather(Box::new(plan.gather_in_spectrum(sample, parallel)?)),
         })
+    }
+
+    /// [`Plan::state`].
+    pub fn state(&self) -> Option<PlanState> {
+        of_plan!(self, plan => plan.state())
+    }
+
+    /// [`Plan::resume`].
+    pub fn resume(&mut self, state: PlanState) {
+        of_plan!(self, plan => plan.resume(state));
     }
 
     /// [`Plan::samples_a_pass`].

@@ -14,6 +14,7 @@
 //! ```
 
 mod adaptive;
+mod checkpoint;
 mod maps;
 mod method;
 mod order;
@@ -22,6 +23,7 @@ mod replay;
 mod report;
 mod schedule;
 mod settings;
+mod share;
 mod sharing;
 #[cfg(test)]
 mod tests;
@@ -47,17 +49,21 @@ use crate::sampling::Filter;
 use crate::scene::Scene;
 use crate::spectrum::{Sensor, white_balance};
 use adaptive::{MIN_PIXELS, PILOT, Stage};
+use checkpoint::{Header, Keeper};
 use maps::Maps;
 use method::Method;
 use pass::{Pass, PassInput};
 use schedule::Schedule;
+use share::Tiles;
 use sharing::{Found, Sharing, pilot};
 use worker_pool::WorkerPool;
 
+pub use checkpoint::{Checkpoint, CheckpointPlan};
 pub use replay::NonFiniteSample;
 pub use report::{Ended, Progress, Summary};
 pub use schedule::MOST_SAMPLES;
 pub use settings::RenderSettings;
+pub use share::{MAX_SHARES, Share};
 pub use workers::{MAX_THREADS, Workers};
 
 /// Fraction of a render that its radiosity solution counts for in progress reports. The times of the solution and of a sample
@@ -109,12 +115,14 @@ pub struct Render {
     /// Number of samples per pixel at which the next decision is made.
     decision: u32,
     /// The goals of the pixels until the next decision, where the pixels have different goals.
-    stage: Option<Stage>,
+    stage: Option<Arc<Stage>>,
     /// Whether the render is adaptive. The error says why it is not, where the settings ask for adaptive sampling.
     adaptive: std::result::Result<bool, &'static str>,
     rays: u64,
     non_finite: u64,
     non_finite_samples: Vec<NonFiniteSample>,
+    /// What a checkpoint says about the render, as it was before the first sample.
+    header: Header,
 }
 
 impl Render {
@@ -265,6 +273,8 @@ impl Render {
             (true, SamplerDesc::Sobol | SamplerDesc::Random) => Ok(true),
             (true, _) => Err("the sampler's pattern is planned for its number of samples"),
         };
+        settings.check_parts(is_of_places.then(|| method.place_name()), adaptive == Ok(true))?;
+        let header = checkpoint::begin(film.options(), &shared, &settings, adaptive == Ok(true), &scene)?;
         let workers = match &settings.workers {
             Some(workers) => workers.clone(),
             None => Workers::pool(settings.threads)?,
@@ -291,7 +301,85 @@ impl Render {
             rays: 0,
             non_finite: 0,
             non_finite_samples: Vec::new(),
+            header,
         })
+    }
+
+    /// Prepares a render that goes on from a checkpoint. It comes to the same film as a render that was never interrupted, to the last
+    /// bit.
+    ///
+    /// Scene and settings must be those of the checkpoint. These may differ: the number of samples with the samplers `Sobol` and
+    /// `Random`, the time limit, the target error, threads, and the plan of further checkpoints. `adaptive`, `reuse`, `share` and
+    /// the layers of first hits are those of the checkpoint where the settings leave them open. With more samples than the render was begun with, an adaptive
+    /// render chooses among pixels at other numbers of samples than one that was begun with as many.
+    ///
+    /// [`Summary::rays`] counts rays of earlier parts as well; what is prepared before samples, such as photon maps, is made anew
+    /// and counted again.
+    ///
+    /// # Errors
+    /// The errors of [`Render::new`], and [`crate::ErrorKind::Unsupported`] for a checkpoint that does not fit, with what differs.
+    pub fn resume(scene: &Scene, settings: RenderSettings, checkpoint: Checkpoint) -> Result<Self> {
+        let Checkpoint { header, film, stage, photons } = checkpoint;
+        let adaptive = settings.adaptive.or(Some(header.adaptive.is_some()));
+        let share = settings.share.or(header.share());
+        let auxiliary = settings.auxiliary || film.options().auxiliary;
+        let mut render = Self::new(scene, RenderSettings { adaptive, share, auxiliary, ..settings })?;
+        Header { reuse: render.reuse(), ..render.header.clone() }.check(&header)?;
+        if let (Some(reuse), Some((sharing, _))) = (header.reuse, render.undecided.clone()) {
+            render.undecided = None;
+            render.method = if reuse { Method::Reuse(sharing) } else { Method::Path };
+        }
+        if let (Some(true), Method::Path) = (header.reuse, &render.method) {
+            // A render of so few samples that no pilot would be made.
+            let path = Path { max_depth: render.desc.max_depth, shadow_rays: render.desc.shadow_rays };
+            render.method = Method::Reuse(PathReuse::new(&render.scene, path));
+        }
+        // Another render may still fill the film of a checkpoint that was not read from a file.
+        render.film = Arc::new(Arc::try_unwrap(film).or_else(|film| Film::copy_of(&film))?);
+        render.stage = stage;
+        if let (Some(plan), Some(state)) = (&mut render.plan, photons) {
+            plan.resume(state);
+        }
+        render.samples = header.samples;
+        let total = Schedule::new(&render.settings, 1, false).total();
+        render.decision = header.decision.min(total);
+        render.rays = header.rays;
+        render.non_finite = render.film.non_finite();
+        Ok(render)
+    }
+
+    /// Whether pixels share hits; `None` as long as a pilot is to say, and where the render is short and leaves it open.
+    fn reuse(&self) -> Option<bool> {
+        match (&self.method, &self.undecided) {
+            (_, Some(_)) => None,
+            (Method::Reuse(_), None) => Some(true),
+            _ => Some(false),
+        }
+    }
+
+    /// The state of the render at this moment. Its film is that of the render, which goes on filling it.
+    ///
+    /// # Errors
+    /// [`crate::ErrorKind::Unsupported`] for light maps and for light at given points.
+    pub fn checkpoint(&self) -> Result<Checkpoint> {
+        if self.method.is_of_places() {
+            let message = format!("{} has no checkpoints; expected a picture", self.method.place_name());
+            return Err(Error::new(ErrorKind::Unsupported, message));
+        }
+        Ok(self.state())
+    }
+
+    fn state(&self) -> Checkpoint {
+        let header = Header {
+            reuse: self.reuse(),
+            samples: self.samples,
+            decision: self.decision,
+            stage: self.stage.as_ref().map(|stage| stage.span()),
+            rays: self.rays,
+            ..self.header.clone()
+        };
+        let photons = self.plan.as_ref().and_then(Maps::state);
+        Checkpoint { header, film: Arc::clone(&self.film), stage: self.stage.clone(), photons }
     }
 
     /// Renders until all samples are taken, the time limit or the target error is reached, or the caller stops the render.
@@ -308,6 +396,7 @@ impl Render {
         if self.wants_solution() {
             schedule.preparation = SOLUTION_FRACTION;
         }
+        let mut keeper = self.settings.checkpoint.clone().map(Keeper::new);
         let ended = loop {
             let error = self.error_to_compare(&schedule);
             if let Some(ended) = schedule.ended(self.samples, start.elapsed(), error) {
@@ -329,10 +418,13 @@ impl Render {
                 // A pass ends where the next photon maps are needed.
                 count = count.min(samples - self.samples % samples);
             }
-            if let Some(ended) = self.pass(count, &schedule, start, progress)? {
+            if let Some(ended) = self.pass(count, &schedule, start, keeper.as_mut(), progress)? {
                 break ended;
             }
             self.samples += count;
+            if let Some(keeper) = &mut keeper {
+                keeper.keep(|| self.state(), false);
+            }
             let image = || self.film.develop();
             let done = f64::from(self.samples);
             let report = schedule.progress(self.samples, done, self.rays, start.elapsed(), Some(&image));
@@ -345,7 +437,12 @@ impl Render {
         if let Some(kernel) = self.scene.kernel() {
             kernel.check()?;
         }
-        Ok(self.summary(start.elapsed(), ended))
+        if let Some(keeper) = &mut keeper {
+            keeper.keep(|| self.state(), true);
+        }
+        let mut summary = self.summary(start.elapsed(), ended);
+        summary.checkpoint_failure = keeper.and_then(|keeper| keeper.failure).map(|error| error.to_string());
+        Ok(summary)
     }
 
     /// The current error estimate, where there is a target error and a decision is due.
@@ -365,7 +462,8 @@ impl Render {
         let next = schedule.next_decision(self.samples, error);
         if self.adaptive == Ok(true) && self.samples >= PILOT {
             let (measure, seed) = (self.settings.error_measure, self.desc.seed);
-            self.stage = Stage::new(&self.film, measure, [self.samples, next], seed, &self.settings.cancel);
+            self.stage =
+                Stage::new(&self.film, measure, [self.samples, next], seed, &self.settings.cancel).map(Arc::new);
             if self.stage.is_none() {
                 return false;
             }
@@ -483,6 +581,7 @@ impl Render {
         count: u32,
         schedule: &Schedule,
         start: Instant,
+        mut keeper: Option<&mut Keeper>,
         progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
     ) -> Result<Option<Ended>> {
         // The time limit does not apply before every pixel has one sample.
@@ -491,7 +590,9 @@ impl Render {
         let input = self.pass_input();
         let mut pass = Pass::new(input.clone(), self.samples + count, deadline, self.settings.cancel.clone());
         pass.goals = self.stage.as_ref().map(|stage| stage.goals(self.samples + count));
+        pass.tiles = Tiles::of(&self.film, self.settings.share);
         let (samples, rays_before) = (self.samples, self.rays);
+        let state = keeper.is_some().then(|| self.state());
         let mut is_stopped_by_callback = false;
         let pass = self.workers.run(pass, &mut |pass| {
             let done = f64::from(samples) + pass.fraction() * f64::from(count);
@@ -500,6 +601,10 @@ impl Render {
             if progress(&report).is_break() {
                 is_stopped_by_callback = true;
                 pass.stop.store(true, Ordering::Relaxed);
+            }
+            // Each pixel has some of the pass's samples or none of them; a render that is resumed adds those that are missing.
+            if let (Some(keeper), Some(state)) = (&mut keeper, &state) {
+                keeper.keep(|| state.with_rays(rays), false);
             }
         })?;
         self.rays += pass.rays.load(Ordering::Relaxed);
@@ -588,6 +693,7 @@ impl Render {
             non_finite,
             non_finite_samples: self.non_finite_samples.clone(),
             notes,
+            checkpoint_failure: None,
         }
     }
 }

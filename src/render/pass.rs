@@ -8,6 +8,7 @@ use std::time::Instant;
 use super::method::Method;
 use super::order::{Order, TilePlace, Wanted};
 use super::replay::{NonFiniteSamples, Replay, Replayed};
+use super::share::Tiles;
 use super::workers::SharedWork;
 use crate::Cancel;
 use crate::camera::{Camera, MovingCamera};
@@ -61,7 +62,9 @@ pub(super) struct Pass {
     pub rays: AtomicU64,
     /// The samples that were NaN or infinite.
     pub non_finite: Mutex<NonFiniteSamples>,
-    /// Number of the tile that a worker takes next.
+    /// The tiles that are taken.
+    pub tiles: Tiles,
+    /// Place among these of the tile that a worker takes next.
     next: AtomicUsize,
     tiles_done: AtomicUsize,
     /// The only sample of the pass, where the pass is a replay.
@@ -405,7 +408,7 @@ impl SharedWork for Pass {
     }
 
     fn shares(&self) -> usize {
-        self.input.film.tile_count()
+        self.tiles.count()
     }
 }
 
@@ -413,6 +416,7 @@ impl Pass {
     /// Makes a pass after which each pixel has `samples` samples. The pass ends early at `deadline` and by `cancel`.
     pub(super) fn new(input: PassInput, samples: u32, deadline: Option<Instant>, cancel: Cancel) -> Self {
         Self {
+            tiles: Tiles::of(&input.film, None),
             input,
             samples,
             goals: None,
@@ -429,12 +433,12 @@ impl Pass {
 
     /// Whether every pixel has all samples of the pass.
     pub(super) fn is_complete(&self) -> bool {
-        self.tiles_done.load(Ordering::Acquire) == self.input.film.tile_count()
+        self.tiles_done.load(Ordering::Acquire) == self.tiles.count()
     }
 
     /// Fraction of the tiles that are done.
     pub(super) fn fraction(&self) -> f64 {
-        self.tiles_done.load(Ordering::Relaxed) as f64 / self.input.film.tile_count().max(1) as f64
+        self.tiles_done.load(Ordering::Relaxed) as f64 / self.tiles.count().max(1) as f64
     }
 
     #[inline]
@@ -459,7 +463,7 @@ impl Pass {
         let tile = pixel[1] / TILE * columns + pixel[0] / TILE;
         let pass = Self {
             replay: Some(Replay::new(pixel, sample, limit)),
-            next: AtomicUsize::new(tile as usize),
+            tiles: Tiles::single(&input.film, tile as usize),
             ..Self::new(input, 0, None, Cancel::new())
         };
         pass.take(&mut || false);
@@ -517,10 +521,7 @@ impl Pass {
             if pause() {
                 return false;
             }
-            let number = self.next.fetch_add(1, Ordering::Relaxed);
-            if number >= self.input.film.tile_count() {
-                return true;
-            }
+            let Some(number) = self.tiles.get(self.next.fetch_add(1, Ordering::Relaxed)) else { return true };
             let mut tracer = PassTracer::new(self);
             let is_complete = self.tile(measurement, &mut batch, number, &mut tracer, pause);
             self.rays.fetch_add(tracer.rays, Ordering::Relaxed);

@@ -70,4 +70,7 @@ pub struct Summary {
     /// Notes for the user, such as a bias that the settings imply, samples that count as black, or an error estimate that
     /// rests on few pixels.
     pub notes: Vec<String>,
+    /// Why the last checkpoint of [`RenderSettings::checkpoint`](super::RenderSettings::checkpoint) could not be written; `None` where it
+    /// was written. The file then still has the one before.
+    pub checkpoint_failure: Option<String>,
 }

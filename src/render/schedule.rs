@@ -79,6 +79,11 @@ impl Schedule {
         }
     }
 
+    /// Greatest number of samples per pixel.
+    pub(super) fn total(&self) -> u32 {
+        self.samples
+    }
+
     /// The measure of the target error, if there is a target and there are enough samples for an estimate.
     pub(super) fn measure_to_estimate(&self, done: u32) -> Option<ErrorMeasure> {
         self.target.filter(|_| done >= MIN_SAMPLES_FOR_ERROR).map(|(measure, _)| measure)

@@ -2,11 +2,13 @@
 
 use std::time::Duration;
 
+use super::checkpoint::CheckpointPlan;
+use super::share::Share;
 use super::workers::Workers;
 use crate::desc::RenderDesc;
 use crate::film::ErrorMeasure;
 use crate::spectrum::Sensor;
-use crate::{Cancel, Error, Result};
+use crate::{Cancel, Error, ErrorKind, Result};
 
 /// Settings of a render: what to render, and with how much effort.
 #[derive(Clone, Debug, Default)]
@@ -39,9 +41,42 @@ pub struct RenderSettings {
     /// What the channels of the film are, where `desc.spectral` says that paths carry wavelengths: the colours that the standard
     /// observer sees, or the means over three bands, to which the white balance does not apply.
     pub sensor: Sensor,
+    /// Where and how often the render writes its [`Checkpoint`](super::Checkpoint); pictures only. A checkpoint that cannot be written
+    /// ends no render: [`Summary::checkpoint_failure`](super::Summary::checkpoint_failure) says why.
+    pub checkpoint: Option<CheckpointPlan>,
+    /// The scene's [`fingerprint`](crate::desc::SceneDesc::fingerprint), which checkpoints keep, so that a render of another scene does
+    /// not go on from them. Without one, that is left to the caller.
+    pub fingerprint: Option<u64>,
+    /// The part of the picture that is rendered, where several processes share it. Adaptive sampling and target errors, which look at
+    /// the whole picture, are refused by name.
+    pub share: Option<Share>,
 }
 
 impl RenderSettings {
+    /// Checks what is not possible for a part of a picture, and for what is no picture but `place`.
+    ///
+    /// # Errors
+    /// [`crate::ErrorKind::Unsupported`] with the name of what is not possible.
+    pub(super) fn check_parts(&self, place: Option<&'static str>, is_adaptive: bool) -> Result<()> {
+        let refuse = |message: String| Err(Error::new(ErrorKind::Unsupported, message));
+        if let (Some(place), true) = (place, self.checkpoint.is_some() || self.share.is_some()) {
+            return refuse(format!("{place} has no checkpoints and no shares; expected a picture"));
+        }
+        if self.share.is_some() && is_adaptive {
+            return refuse(
+                "adaptive sampling chooses among all pixels, of which a share has some; expected the same number of samples in all \
+                 pixels"
+                    .to_owned(),
+            );
+        }
+        if self.share.is_some() && self.target_error.is_some() {
+            return refuse(
+                "a target error is one of the whole picture; expected a number of samples for a share".to_owned(),
+            );
+        }
+        Ok(())
+    }
+
     /// Checks the sensor.
     ///
     /// # Errors

@@ -29,7 +29,7 @@ pub use read::{read_image, read_image_bytes};
 pub(crate) use rows::rows;
 pub(crate) use slopes::{SlopesOf, variances};
 pub use texels::{ColorSpace, TexelFormat, TexelImage, Texels};
-pub(crate) use write::{extension, write_image};
+pub(crate) use write::{extension, put_texels, write_image};
 
 use crate::math::Vec3;
 

@@ -1,6 +1,9 @@
 //! Writes images of textures in files that keep every bit: PNG for integers, OpenEXR for floating point.
 
+use std::io::{self, Write};
+
 use exr::image::{AnyChannel, FlatSamples};
+use half::f16;
 
 use super::texels::{TexelImage, Texels};
 use crate::buffer::{Buffer, Element};
@@ -38,6 +41,26 @@ pub(crate) fn write_image(image: &TexelImage, file: &mut Target<'_>) -> Result<(
         Texels::F16(values) => channels(image, values, size, FlatSamples::F16, file),
         Texels::F32(values) => channels(image, values, size, FlatSamples::F32, file),
     }
+}
+
+/// Writes the size of an image, its kind of numbers and its texels, without any format that could be read.
+pub(crate) fn put_texels(image: &TexelImage, out: &mut impl Write) -> io::Result<()> {
+    write!(out, "{} {} {} ", image.width(), image.height(), image.channels())?;
+    match image.texels() {
+        Texels::U8(values) => image.without_gaps(values).try_for_each(|value| out.write_all(&[value])),
+        Texels::U16(values) => put_all(out, "16", image.without_gaps(values).map(u16::to_le_bytes)),
+        Texels::F16(values) => put_all(out, "half", image.without_gaps(values).map(f16::to_le_bytes)),
+        Texels::F32(values) => put_all(out, "float", image.without_gaps(values).map(f32::to_le_bytes)),
+    }
+}
+
+fn put_all<const N: usize>(
+    out: &mut impl Write,
+    kind: &str,
+    mut values: impl Iterator<Item = [u8; N]>,
+) -> io::Result<()> {
+    out.write_all(kind.as_bytes())?;
+    values.try_for_each(|value| out.write_all(&value))
 }
 
 /// Writes the channels of an image by the names that they have in OpenEXR.

@@ -21,6 +21,20 @@ pub(super) struct WebFiles {
 }
 
 impl WebFiles {
+    /// Names the webs of all lights and surfaces, each once. `name` gets the number of the web among them.
+    pub fn named(scene: &SceneDesc, mut name: impl FnMut(usize, &Web) -> Result<String>) -> Result<Self> {
+        let mut known = Self::default();
+        let of_lights = scene.lights.iter().filter_map(|light| Some((web_of_light(light)?, &light.path)));
+        let of_surfaces = scene.surfaces.iter().filter_map(|surface| Some((web_of_surface(surface)?, &surface.path)));
+        for (web, path) in of_lights.chain(of_surfaces) {
+            if !known.names.contains_key(&Arc::as_ptr(web)) {
+                let name = name(known.names.len(), web).map_err(|error| error.at(path))?;
+                known.names.insert(Arc::as_ptr(web), name);
+            }
+        }
+        Ok(known)
+    }
+
     /// The name of the file of a light; empty for one without a web.
     pub fn of_light(&self, light: &PointLightDesc) -> &str {
         web_of_light(light).and_then(|web| self.names.get(&Arc::as_ptr(web))).map_or("", String::as_str)
@@ -110,22 +124,12 @@ impl Files {
 
     /// Writes the photometric webs of all lights and surfaces, each once, as they were read.
     pub fn webs(&mut self, scene: &SceneDesc) -> Result<WebFiles> {
-        let mut known = WebFiles::default();
-        let of_lights = scene.lights.iter().filter_map(|light| Some((web_of_light(light)?, &light.path)));
-        let of_surfaces = scene.surfaces.iter().filter_map(|surface| Some((web_of_surface(surface)?, &surface.path)));
-        for (web, path) in of_lights.chain(of_surfaces) {
-            if known.names.contains_key(&Arc::as_ptr(web)) {
-                continue;
-            }
+        WebFiles::named(scene, |number, web| {
             let failed =
                 |error| Error::new(ErrorKind::Io, format!("cannot write a photometric web: {error}")).because(error);
             let encode = |file: &mut Target<'_>| file.write_all(web.text()).map_err(failed);
-            let name = self
-                .add("a photometric web", "web", known.names.len(), web.format().extension(), encode)
-                .map_err(|error| error.at(path))?;
-            known.names.insert(Arc::as_ptr(web), name);
-        }
-        Ok(known)
+            self.add("a photometric web", "web", number, web.format().extension(), encode)
+        })
     }
 
     /// Writes the meshes. Returns the name of the file of each, which is empty for one that was removed.

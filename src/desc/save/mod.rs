@@ -6,6 +6,7 @@
 //! folder have names by their contents, so a scene file that was there before keeps its own until then.
 
 mod files;
+mod fingerprint;
 mod text;
 
 use std::collections::HashSet;
@@ -212,7 +213,7 @@ fn document(
     names: &Names,
     [images, meshes]: [&[String]; 2],
     webs: &WebFiles,
-    out: &mut Out<'_, '_>,
+    out: &mut impl Write,
 ) -> Result<()> {
     out.write_all(b"{\n  \"etendue\": 1").map_err(failed)?;
     member(out, "camera", &camera_keys::write(&scene.camera, &scene.motion)?)?;

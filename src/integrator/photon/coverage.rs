@@ -44,6 +44,9 @@ const LOOK_UP: usize = 1 << 14;
 /// Most cells of a level that are stored, at 16 bytes each.
 const MOST: usize = 1 << 22;
 
+/// Most cells that a level ever has: those and the neighbours of the last ones that were tested.
+const MOST_STORED: usize = MOST + 10 * MOST_AT_ONCE;
+
 /// Number of levels above the finest one that is asked for, each of twice the radius of the next. In the middle of a wall a
 /// few large covered cells make tests of all smaller ones unnecessary.
 const COARSER: i32 = 4;
@@ -54,7 +57,7 @@ const RESOLUTION: f32 = 64.0 * f32::EPSILON;
 
 /// Cells, and whether the surface covers the disks around their points, for a few radii.
 #[derive(Clone, Debug, Default)]
-pub(super) struct DiskCoverage {
+pub(crate) struct DiskCoverage {
     /// Levels from the largest radius down, each of half the radius of the one before.
     levels: Vec<Arc<Level>>,
     /// The moment at which the surface is as it is known ([`Ray::time`]).
@@ -93,6 +96,32 @@ impl DiskCoverage {
     pub fn new(radius: f32, time: f32) -> Self {
         let level = |k| Arc::new(Level { radius: radius * 2.0_f32.powi(k), cells: HashMap::default() });
         Self { levels: (0..=COARSER).rev().map(level).collect(), time }
+    }
+
+    /// What is known, for a file: the moment, and the radius of each level with its cells in the order of their keys.
+    pub fn parts(&self) -> (f32, impl Iterator<Item = (f32, Vec<(u64, bool)>)>) {
+        let level = |level: &Arc<Level>| {
+            let mut cells: Vec<(u64, bool)> = level.cells.iter().map(|(key, is_covered)| (*key, *is_covered)).collect();
+            cells.sort_unstable();
+            (level.radius, cells)
+        };
+        (self.time, self.levels.iter().map(level))
+    }
+
+    /// A record without cells, as [`DiskCoverage::parts`] names its levels.
+    pub fn with_levels(time: f32, radii: impl Iterator<Item = f32>) -> Self {
+        let level = |radius| Arc::new(Level { radius, cells: HashMap::default() });
+        Self { levels: radii.map(level).collect(), time }
+    }
+
+    /// Adds cells to a level; `false` where memory is short, and where there would be more than are ever stored.
+    pub fn add_cells(&mut self, level: usize, cells: impl ExactSizeIterator<Item = (u64, bool)>) -> bool {
+        let Some(level) = self.levels.get_mut(level).map(Arc::make_mut) else { return false };
+        let has_room = level.cells.len() + cells.len() <= MOST_STORED && level.cells.try_reserve(cells.len()).is_ok();
+        if has_room {
+            level.cells.extend(cells);
+        }
+        has_room
     }
 
     /// Whether the surface is known to cover the disk of this radius around `p` on the side `normal`.

@@ -19,7 +19,7 @@
 //! Jensen 2010, "A Progressive Error Estimation Framework for Photon Density Estimation".
 
 mod choose;
-mod coverage;
+pub(crate) mod coverage;
 mod cut_disk;
 mod division;
 mod draw;
@@ -40,7 +40,7 @@ pub(in crate::integrator) use emit::{Aim, Emission};
 pub use estimate::{Kernel, MapQuery, irradiance};
 pub use gather::Gather;
 pub use map::{Nearest, PhotonMap};
-pub use plan::Plan;
+pub use plan::{Plan, PlanState};
 pub use radius::shrunk;
 pub use record::{Octahedral, Photon};
 pub use trace::{MapKind, PhotonBatch, PhotonJob, Tally, shoot, shoot_in};

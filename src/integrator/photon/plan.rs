@@ -56,6 +56,16 @@ fn samples_a_pass(pixels: u64) -> u32 {
     if pixels <= 1 << 18 { 4 } else { 1 }
 }
 
+/// What the maps of later passes depend on besides the settings: what the maps of earlier passes have shown.
+#[derive(Clone, Debug)]
+pub struct PlanState {
+    /// The pass whose maps were made last.
+    pub pass: u32,
+    /// The radius that was found for indirect light.
+    pub radius: f32,
+    pub(crate) coverage: DiskCoverage,
+}
+
 /// The photon maps of a method: the settings, and the maps made so far.
 #[derive(Debug)]
 pub struct Plan<C: Spectrum = Rgb> {
@@ -77,6 +87,8 @@ pub struct Plan<C: Spectrum = Rgb> {
     /// Maps that have been gathered from already, so that `coverage` may now learn from their photons.
     unlearnt: Vec<Arc<PhotonMap<C>>>,
     made: Option<(u32, Gather<C>)>,
+    /// The state to go on from, until the maps of its pass are made again.
+    resumed: Option<PlanState>,
     notes: Vec<String>,
     /// Number of rays traced for the maps.
     pub rays: u64,
@@ -166,6 +178,7 @@ impl<C: Spectrum> Plan<C> {
             coverage: DiskCoverage::default(),
             unlearnt: Vec::new(),
             made: None,
+            resumed: None,
             notes: Vec::new(),
             rays: 0,
         })
@@ -197,6 +210,20 @@ impl<C: Spectrum> Plan<C> {
 
     fn is_progressive(&self) -> bool {
         is_progressive(self.renewal, &self.desc)
+    }
+
+    /// The state from which another plan goes on; `None` before the first maps, and where maps are made only once.
+    pub fn state(&self) -> Option<PlanState> {
+        let made = |(pass, _): &(u32, Gather<C>)| {
+            let coverage = self.coverage.clone();
+            PlanState { pass: *pass, radius: self.radius, coverage }
+        };
+        self.made.as_ref().filter(|_| self.is_progressive()).map(made).or_else(|| self.resumed.clone())
+    }
+
+    /// Goes on from a state of a plan with the same settings.
+    pub fn resume(&mut self, state: PlanState) {
+        self.resumed = Some(state);
     }
 
     /// Messages about the maps for the user.
@@ -234,6 +261,15 @@ impl<C: Spectrum> Plan<C> {
             return Ok(gather.clone());
         }
         self.made = None;
+        if let Some(state) = self.resumed.clone() {
+            let of = state.pass;
+            let gather = self.make_again(state, parallel)?;
+            self.resumed = None;
+            if of == pass {
+                self.made = Some((pass, gather.clone()));
+                return Ok(gather);
+            }
+        }
         let gather = self.make(pass, parallel, complete)?;
         self.made = Some((pass, gather.clone()));
         Ok(gather)
@@ -285,13 +321,34 @@ impl<C: Spectrum> Plan<C> {
         if pass == 0 {
             notes.extend(maps.iter().map(|map| map.note(self.is_by_pixel())));
         }
-        // Coverage learns from the maps that are gathered from now only before the next pass, so that the two are
-        // independent.
-        let is_kept = self.is_progressive() && !self.is_uncovered(pass + 1);
-        let teaches = |map: &&BuiltMap<C>| is_kept && map.kind != MapKind::Caustic;
-        let unlearnt = maps.iter().filter(teaches).map(|map| Arc::clone(&map.layer.map)).collect();
+        let unlearnt = self.unlearnt(&maps, pass);
         let mut gather = self.gatherer(maps, aims, coverage.clone(), pass, &parallel.token())?;
         complete(self, &mut gather, &mut notes, parallel)?;
+        (self.coverage, self.unlearnt) = (coverage, unlearnt);
+        self.notes.extend(notes);
+        Ok(gather)
+    }
+
+    /// The maps from which coverage learns after this pass: only before the next one, so that what is gathered from them and what
+    /// they teach are independent.
+    fn unlearnt(&self, maps: &[BuiltMap<C>], pass: u32) -> Vec<Arc<PhotonMap<C>>> {
+        let is_kept = self.is_progressive() && !self.is_uncovered(pass + 1);
+        let teaches = |map: &&BuiltMap<C>| is_kept && map.kind != MapKind::Caustic;
+        maps.iter().filter(teaches).map(|map| Arc::clone(&map.layer.map)).collect()
+    }
+
+    /// Makes the maps of a pass that another plan has made, when it was in this state.
+    fn make_again(&mut self, state: PlanState, parallel: &mut impl Parallel) -> Result<Gather<C>> {
+        let PlanState { pass, radius, coverage } = state;
+        let shrunk = shrunk(pass, self.desc.photons.alpha);
+        let aims = self.aims()?;
+        self.radius = radius;
+        let wanted = self.wanted_maps(shrunk, aims.is_some());
+        let mut notes = Vec::new();
+        let shot = self.shoot_maps(wanted, pass, &mut notes, parallel)?;
+        let maps = build_maps(shot, shrunk, parallel)?;
+        let unlearnt = self.unlearnt(&maps, pass);
+        let gather = self.gatherer(maps, aims, coverage.clone(), pass, &parallel.token())?;
         (self.coverage, self.unlearnt) = (coverage, unlearnt);
         self.notes.extend(notes);
         Ok(gather)

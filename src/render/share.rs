@@ -1,0 +1,155 @@
+//! Parts of a render that different processes take: tiles, spread over the picture.
+
+use crate::film::Film;
+use crate::{Error, Result};
+
+/// One of several parts of a render, each of which may be rendered by a process of its own, on any machine. All parts together are
+/// the whole picture, to the last bit (see [`Checkpoint::merge`](super::Checkpoint::merge)).
+///
+/// A part has every so many tiles of the picture, with all of their samples. What is prepared before the first sample, such as photon
+/// maps, each part prepares for itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Share {
+    number: u32,
+    count: u32,
+}
+
+/// Greatest number of parts of a render.
+pub const MAX_SHARES: u32 = 1 << 16;
+
+impl Share {
+    /// Part `number`, counted from 1, of `count`.
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidScene`](crate::ErrorKind::InvalidScene) for a number that is not in 1 to `count`, and for more than
+    /// [`MAX_SHARES`] parts.
+    pub fn new(number: u32, count: u32) -> Result<Self> {
+        if (1..=count).contains(&number) && count <= MAX_SHARES {
+            return Ok(Self { number, count });
+        }
+        let message =
+            format!("{number} of {count}; expected a number from 1 to that of the parts, at most {MAX_SHARES}");
+        Err(Error::invalid("share", message))
+    }
+
+    /// The number of the part, counted from 1.
+    pub fn number(self) -> u32 {
+        self.number
+    }
+
+    /// How many parts there are.
+    pub fn count(self) -> u32 {
+        self.count
+    }
+}
+
+/// The tiles that a pass takes, in their order.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tiles {
+    /// Number of tiles of the film.
+    all: usize,
+    /// Number of tiles that are taken, the first place among all, and the way from one to the next.
+    count: usize,
+    first: usize,
+    step: usize,
+}
+
+impl Tiles {
+    /// All tiles of a film, row by row, or those of a part.
+    pub fn of(film: &Film, share: Option<Share>) -> Self {
+        let all = film.tile_count();
+        let Some(Share { number, count }) = share else { return Self { all, count: all, first: 0, step: 1 } };
+        let (index, count) = (number as usize - 1, count as usize);
+        let stride = stride(all);
+        Self {
+            all,
+            count: all.saturating_sub(index).div_ceil(count),
+            first: index * stride % all.max(1),
+            step: count * stride % all.max(1),
+        }
+    }
+
+    /// One tile only.
+    pub fn single(film: &Film, tile: usize) -> Self {
+        Self { all: film.tile_count(), count: 1, first: tile, step: 1 }
+    }
+
+    /// How many tiles there are.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// The tile with this place in the order; `None` after the last.
+    #[inline]
+    pub fn get(&self, place: usize) -> Option<usize> {
+        (place < self.count).then(|| (self.first + place * self.step) % self.all)
+    }
+}
+
+/// A step by which all of `all` tiles are visited, consecutive ones far from each other: no common factor, and about the golden
+/// section. Parts are every so many of the tiles in this order, so that what is slow in the picture is spread over the parts.
+fn stride(all: usize) -> usize {
+    let golden = (all as f64 * 0.618_033_988_749_895) as usize;
+    (golden.max(1)..=all.max(1)).find(|step| gcd(*step, all) == 1).unwrap_or(1)
+}
+
+fn gcd(a: usize, b: usize) -> usize {
+    if b == 0 { a } else { gcd(b, a % b) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::film::FilmOptions;
+
+    #[test]
+    fn parts_have_each_tile_once() {
+        for resolution in [[1, 1], [16, 16], [17, 33], [320, 240], [1000, 30]] {
+            let film = Film::new(FilmOptions {
+                resolution,
+                placement: None,
+                auxiliary: false,
+                share: 1,
+                weighted: false,
+                gathering: false,
+            })
+            .unwrap();
+            for count in [1, 2, 3, 16, 400] {
+                let mut taken = vec![0; film.tile_count()];
+                let mut most = 0;
+                for number in 1..=count {
+                    let tiles = Tiles::of(&film, Some(Share::new(number, count).unwrap()));
+                    (0..tiles.count()).for_each(|place| taken[tiles.get(place).unwrap()] += 1);
+                    assert_eq!(tiles.get(tiles.count()), None);
+                    most = most.max(tiles.count());
+                }
+                assert!(taken.iter().all(|times| *times == 1), "{resolution:?} in {count}: {taken:?}");
+                assert_eq!(most, film.tile_count().div_ceil(count as usize));
+            }
+        }
+        assert!(Share::new(0, 3).is_err() && Share::new(4, 3).is_err() && Share::new(1, MAX_SHARES + 1).is_err());
+    }
+
+    #[test]
+    fn a_part_is_spread_over_the_picture() {
+        // 20 x 15 tiles in 4 parts: every quarter of the picture has about a quarter of each part.
+        let film = Film::new(FilmOptions {
+            resolution: [320, 240],
+            placement: None,
+            auxiliary: false,
+            share: 1,
+            weighted: false,
+            gathering: false,
+        })
+        .unwrap();
+        for number in 1..=4 {
+            let tiles = Tiles::of(&film, Some(Share::new(number, 4).unwrap()));
+            let mut quarters = [0; 4];
+            for place in 0..tiles.count() {
+                let tile = tiles.get(place).unwrap();
+                quarters[usize::from(tile % 20 >= 10) + 2 * usize::from(tile / 20 >= 7)] += 1;
+            }
+            assert!(quarters.iter().all(|count| (13..=24).contains(count)), "{quarters:?}");
+        }
+    }
+}

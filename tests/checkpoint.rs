@@ -1,0 +1,350 @@
+//! A render that goes on from a checkpoint, or is put together from parts, comes to the film of one that was never interrupted, to the
+//! last bit. A file that was changed is refused.
+
+mod common;
+
+use std::ops::ControlFlow;
+use std::time::Duration;
+
+use common::scenes::{box_inside, camera, point_light, scene};
+use etendue::desc::{BsdfDesc, FilterDesc, IntegratorDesc, PhotonDesc, RenderDesc, SamplerDesc, SceneDesc, ShapeDesc};
+use etendue::film::Image;
+use etendue::math::DVec3;
+use etendue::render::{Checkpoint, CheckpointPlan, Render, RenderSettings, Share};
+use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
+use etendue::{Error, ErrorKind};
+
+/// A room with a lamp and a ball of glass, or of what all methods can do.
+fn room(ball: BsdfDesc) -> SceneDesc {
+    let mut desc = scene(
+        camera(DVec3::new(0.0, 0.0, 0.9), DVec3::NEG_Z, 90.0),
+        vec![
+            (
+                ShapeDesc::Mesh { mesh: 0, smooth: false },
+                BsdfDesc::Lambert { albedo: Rgb::new(0.7, 0.5, 0.3) },
+                Some(Rgb::splat(0.1)),
+            ),
+            (ShapeDesc::Sphere { centre: DVec3::new(0.25, -0.125, -0.5), radius: 0.3 }, ball, None),
+        ],
+    );
+    desc.meshes.push(box_inside(DVec3::splat(-1.0), DVec3::ONE).into());
+    desc.lights.push(point_light(DVec3::new(0.0, 0.875, -0.5), 0.5));
+    desc
+}
+
+const GLASS: BsdfDesc = BsdfDesc::Dielectric { ior: 1.5, exterior_ior: 1.0 };
+const PAINT: BsdfDesc = BsdfDesc::Lambert { albedo: Rgb::new(0.2, 0.4, 0.8) };
+
+fn built(desc: &SceneDesc) -> Scene {
+    Scene::build(desc, &BuildOptions::default()).unwrap()
+}
+
+fn settings(integrator: IntegratorDesc) -> RenderSettings {
+    let photons = PhotonDesc { count: Some(2000), caustic_count: Some(2000), ..PhotonDesc::default() };
+    // Tiles that are cut at both sides, and a filter whose weights are summed.
+    let filter = FilterDesc::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 };
+    let desc = RenderDesc { resolution: [21, 19], samples: 16, integrator, photons, filter, ..RenderDesc::default() };
+    RenderSettings { desc, auxiliary: true, ..RenderSettings::default() }
+}
+
+/// All values of an image, so that NaN equals itself.
+fn bits(image: &Image) -> Vec<u32> {
+    let layers = image.layers.iter().flat_map(|layer| &layer.data);
+    image.rgb.iter().chain(layers).map(|value| value.to_bits()).collect()
+}
+
+fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    checkpoint.write_to(&mut bytes).unwrap();
+    bytes
+}
+
+/// The checkpoint as another process would read it.
+fn moved(checkpoint: &Checkpoint) -> Checkpoint {
+    Checkpoint::read_from(&bytes(checkpoint)[..]).unwrap()
+}
+
+fn finish(mut render: Render) -> Render {
+    let summary = render.run(&mut |_| ControlFlow::Continue(())).unwrap();
+    assert!(!summary.stopped, "{:?}", summary.notes);
+    render
+}
+
+/// Renders in pieces: each time the progress function is called `calls` times, and the rest is left to another render with another
+/// number of threads.
+fn in_pieces(scene: &Scene, settings: &RenderSettings, calls: usize) -> Render {
+    let mut render = Render::new(scene, settings.clone()).unwrap();
+    let mut pieces = 0;
+    for threads in [1, 2, 3] {
+        let mut left = calls;
+        let summary = render
+            .run(&mut |_| {
+                left = left.saturating_sub(1);
+                if left == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            })
+            .unwrap();
+        if !summary.stopped {
+            break;
+        }
+        pieces += 1;
+        let checkpoint = moved(&render.checkpoint().unwrap());
+        render = Render::resume(scene, RenderSettings { threads, ..settings.clone() }, checkpoint).unwrap();
+    }
+    assert!(pieces > 0, "the render ended before it could be interrupted");
+    finish(render)
+}
+
+#[test]
+fn interrupted_renders_come_to_the_same_film() {
+    for integrator in IntegratorDesc::ALL {
+        let can_glass = !matches!(integrator, IntegratorDesc::Radiosity);
+        let scene = built(&room(if can_glass { GLASS } else { PAINT }));
+        let settings = settings(integrator);
+        let whole = finish(Render::new(&scene, settings.clone()).unwrap());
+        for calls in [1, 2] {
+            let pieces = in_pieces(&scene, &settings, calls);
+            let [whole, pieces] = [&whole, &pieces].map(Render::image);
+            assert!(bits(&whole) == bits(&pieces), "{} after {calls} calls", integrator.name());
+        }
+    }
+}
+
+#[test]
+fn what_differs_from_pixel_to_pixel_is_kept() {
+    let scene = built(&room(GLASS));
+    let path = settings(IntegratorDesc::Path);
+    let of = |change: fn(&mut RenderSettings)| {
+        let mut settings = path.clone();
+        change(&mut settings);
+        settings
+    };
+    let cases = [
+        ("adaptive", of(|it| (it.adaptive, it.desc.samples) = (Some(true), 100))),
+        ("a target error", of(|it| (it.target_error, it.desc.samples) = (Some(0.02), 1 << 12))),
+        ("shared hits", of(|it| it.desc.reuse = Some(true))),
+        ("wavelengths", of(|it| it.desc.spectral = true)),
+        ("a pattern", of(|it| it.desc.sampler = SamplerDesc::Jittered)),
+    ];
+    for (name, settings) in cases {
+        let whole = finish(Render::new(&scene, settings.clone()).unwrap());
+        let pieces = in_pieces(&scene, &settings, 2);
+        assert!(bits(&whole.image()) == bits(&pieces.image()), "{name}");
+    }
+}
+
+#[test]
+fn more_samples_may_be_added_to_a_render_that_is_done() {
+    let scene = built(&room(GLASS));
+    for integrator in [IntegratorDesc::Path, IntegratorDesc::Sppm] {
+        let mut settings = settings(integrator);
+        let done = finish(Render::new(&scene, settings.clone()).unwrap());
+        let before = bits(&done.image());
+        settings.desc.samples = 24;
+        let checkpoint = done.checkpoint().unwrap();
+        let more = finish(Render::resume(&scene, settings.clone(), checkpoint).unwrap());
+        let whole = finish(Render::new(&scene, settings).unwrap());
+        assert!(bits(&more.image()) == bits(&whole.image()), "{}", integrator.name());
+        assert!(bits(&done.image()) == before, "the first render keeps its film");
+    }
+}
+
+#[test]
+fn parts_make_the_whole_in_any_order() {
+    let scene = built(&room(GLASS));
+    for integrator in [IntegratorDesc::Path, IntegratorDesc::Whitted, IntegratorDesc::Sppm, IntegratorDesc::Photon] {
+        let settings = settings(integrator);
+        let whole = finish(Render::new(&scene, settings.clone()).unwrap());
+        let part = |number: u32| {
+            let share = Some(Share::new(number, 4).unwrap());
+            let render = Render::new(&scene, RenderSettings { share, ..settings.clone() }).unwrap();
+            moved(&finish(render).checkpoint().unwrap())
+        };
+        let merged = Checkpoint::merge([3, 1, 4, 2].map(part).into()).unwrap();
+        assert!(bits(&merged.film().develop()) == bits(&whole.image()), "{}", integrator.name());
+        assert_eq!(merged.film().rel_mse(), whole.film().rel_mse());
+        // The whole may go on.
+        let mut settings = settings.clone();
+        settings.desc.samples = 32;
+        let more = finish(Render::resume(&scene, settings.clone(), merged).unwrap());
+        let other = finish(Render::new(&scene, settings).unwrap());
+        assert!(bits(&more.image()) == bits(&other.image()), "{}", integrator.name());
+    }
+}
+
+#[test]
+fn a_part_that_was_interrupted_is_made_up_for_after_the_merge() {
+    let scene = built(&room(GLASS));
+    let settings = settings(IntegratorDesc::Path);
+    let render = |number: u32| {
+        let share = Some(Share::new(number, 2).unwrap());
+        Render::new(&scene, RenderSettings { share, ..settings.clone() }).unwrap()
+    };
+    let mut second = render(2);
+    second.run(&mut |_| ControlFlow::Break(())).unwrap();
+    let parts = vec![finish(render(1)).checkpoint().unwrap(), second.checkpoint().unwrap()];
+    let merged = Checkpoint::merge(parts).unwrap();
+    assert!(merged.samples() < 16);
+    let made_up = finish(Render::resume(&scene, settings.clone(), merged).unwrap());
+    let whole = finish(Render::new(&scene, settings).unwrap());
+    assert!(bits(&made_up.image()) == bits(&whole.image()));
+}
+
+#[test]
+fn parts_that_make_no_whole_are_named() {
+    let scene = built(&room(PAINT));
+    let settings = settings(IntegratorDesc::Path);
+    let part = |number: u32, count: u32, seed: u64| {
+        let mut settings = RenderSettings { share: Some(Share::new(number, count).unwrap()), ..settings.clone() };
+        (settings.desc.seed, settings.desc.samples) = (seed, 1);
+        finish(Render::new(&scene, settings).unwrap()).checkpoint().unwrap()
+    };
+    let message = |parts: Vec<Checkpoint>| Checkpoint::merge(parts).unwrap_err().to_string();
+    assert!(message(vec![part(1, 3, 0), part(2, 3, 0)]).ends_with("of 3 shares, these are missing: 3"));
+    assert!(message(vec![part(1, 3, 0), part(1, 3, 0)]).contains("share 1 is given twice"));
+    assert!(message(vec![part(1, 3, 0), part(2, 4, 0)]).contains("share 2 is one of 4; expected shares of 3"));
+    assert!(message(vec![part(1, 2, 0), part(2, 2, 5)]).contains("made with `seed` 5"));
+    assert!(message(vec![]).contains("of 1 shares, these are missing: 1"));
+    let whole = finish(Render::new(&scene, settings).unwrap()).checkpoint().unwrap();
+    assert!(message(vec![whole]).contains("all of the picture"));
+}
+
+/// The error of going on with `settings` from a checkpoint of a render with `first`.
+fn refused(scene: &Scene, first: &RenderSettings, settings: RenderSettings) -> Error {
+    let mut render = Render::new(scene, first.clone()).unwrap();
+    render.run(&mut |_| ControlFlow::Break(())).unwrap();
+    Render::resume(scene, settings, moved(&render.checkpoint().unwrap())).map(|_| ()).unwrap_err()
+}
+
+#[test]
+fn what_does_not_fit_is_refused_by_name() {
+    let desc = room(GLASS);
+    let scene = built(&desc);
+    let first = RenderSettings { fingerprint: Some(desc.fingerprint().unwrap()), ..settings(IntegratorDesc::Path) };
+    let of = |change: &dyn Fn(&mut RenderSettings)| {
+        let mut settings = first.clone();
+        change(&mut settings);
+        let error = refused(&scene, &first, settings);
+        assert_eq!(error.kind(), ErrorKind::Unsupported);
+        error.to_string()
+    };
+    let mut other = desc.clone();
+    other.lights[0].position.x = 0.01;
+    let moved_light = other.fingerprint().unwrap();
+    for (change, expected) in [
+        (
+            &(|it: &mut RenderSettings| it.desc.seed = 3) as &dyn Fn(&mut RenderSettings),
+            "`seed` null, and this render has 3",
+        ),
+        (&|it| it.desc.resolution = [40, 35], "`resolution` [21,19], and this render has [40,35]"),
+        (&|it| it.desc.integrator = IntegratorDesc::Whitted, "`integrator` \"path\", and this render has \"whitted\""),
+        (&|it| it.desc.max_depth = Some(7), "`maxDepth` null, and this render has 7"),
+        (&|it| it.desc.reuse = Some(true), "keeping to themselves, and this render has pixels sharing hits"),
+        (&|it| it.adaptive = Some(true), "adaptive sampling none, and this render has RelMse"),
+        (&|it| it.share = Some(Share::new(1, 2).unwrap()), "all of the picture, and this render is of share 1/2"),
+        (&|it| it.fingerprint = Some(moved_light), "of another scene"),
+    ] {
+        let message = of(change);
+        assert!(message.contains(expected), "{message}");
+    }
+    // A pattern is planned for its number of samples.
+    let mut grid = first.clone();
+    grid.desc.sampler = SamplerDesc::Grid;
+    let mut more = grid.clone();
+    more.desc.samples = 100;
+    let message = refused(&scene, &grid, more).to_string();
+    assert!(message.contains("`samples` 16, and this render has 100"), "{message}");
+}
+
+#[test]
+fn parts_of_what_looks_at_the_whole_picture_are_refused() {
+    let scene = built(&room(PAINT));
+    let share = Some(Share::new(1, 2).unwrap());
+    let first = RenderSettings { share, ..settings(IntegratorDesc::Path) };
+    for (settings, expected) in [
+        (RenderSettings { adaptive: Some(true), ..first.clone() }, "adaptive sampling"),
+        (RenderSettings { target_error: Some(0.01), adaptive: Some(false), ..first.clone() }, "a target error"),
+    ] {
+        let error = Render::new(&scene, settings).map(|_| ()).unwrap_err();
+        assert!(error.kind() == ErrorKind::Unsupported && error.to_string().contains(expected), "{error}");
+    }
+}
+
+#[test]
+fn the_fingerprint_is_that_of_the_contents() {
+    let desc = room(GLASS);
+    let own = desc.fingerprint().unwrap();
+    let mut other = desc.clone();
+    other.render.samples = 5;
+    assert_eq!(other.fingerprint().unwrap(), own, "render settings do not count");
+    let mut mesh = (*desc.meshes[0]).clone();
+    mesh.positions[3].x = 1.0000001;
+    other.meshes[0] = mesh.into();
+    assert_ne!(other.fingerprint().unwrap(), own);
+    let mut other = desc.clone();
+    other.materials[1].bsdf = BsdfDesc::Dielectric { ior: 1.5000001, exterior_ior: 1.0 };
+    assert_ne!(other.fingerprint().unwrap(), own);
+    // Written and read.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("room.json");
+    desc.save(&path).unwrap();
+    assert_eq!(etendue::desc::load(&path, None).unwrap().fingerprint().unwrap(), own);
+}
+
+#[test]
+fn any_changed_byte_is_noticed() {
+    let scene = built(&room(PAINT));
+    let mut settings = settings(IntegratorDesc::Sppm);
+    (settings.desc.resolution, settings.desc.samples) = ([20, 3], 2);
+    let render = finish(Render::new(&scene, settings).unwrap());
+    let bytes = bytes(&render.checkpoint().unwrap());
+    for place in 0..bytes.len() {
+        let mut changed = bytes.clone();
+        changed[place] ^= 1 << (place % 8);
+        assert!(Checkpoint::read_from(&changed[..]).is_err(), "byte {place}");
+    }
+    for end in 0..bytes.len() {
+        assert!(Checkpoint::read_from(&bytes[..end]).is_err(), "the first {end} bytes");
+    }
+    let mut longer = bytes.clone();
+    longer.push(0);
+    assert!(Checkpoint::read_from(&longer[..]).unwrap_err().to_string().contains("something follows its end"));
+    let error = Checkpoint::read_from(&b"P6\n3 3\n255\n"[..]).map(|_| ()).unwrap_err();
+    assert!(error.to_string().contains("no checkpoint of a render"), "{error}");
+}
+
+#[test]
+fn checkpoints_are_written_while_the_render_goes_on() {
+    let desc = room(GLASS);
+    let scene = built(&desc);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("room.checkpoint");
+    let plan = CheckpointPlan { path: path.clone(), every: Duration::ZERO };
+    let mut settings = RenderSettings { checkpoint: Some(plan), threads: 2, ..settings(IntegratorDesc::Path) };
+    settings.desc.samples = 64;
+    let whole = finish(Render::new(&scene, RenderSettings { checkpoint: None, ..settings.clone() }).unwrap());
+    // Whatever is found in the file at any time, a render goes on from it to the same film.
+    let mut found = Vec::new();
+    let mut render = Render::new(&scene, settings.clone()).unwrap();
+    render
+        .run(&mut |_| {
+            found.extend(std::fs::read(&path).ok());
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+    assert!(found.len() > 3, "{}", found.len());
+    for bytes in &found {
+        let checkpoint = Checkpoint::read_from(&bytes[..]).unwrap();
+        let more = RenderSettings { checkpoint: None, ..settings.clone() };
+        let resumed = finish(Render::resume(&scene, more, checkpoint).unwrap());
+        assert!(bits(&resumed.image()) == bits(&whole.image()));
+    }
+    assert_eq!(Checkpoint::read(&path).unwrap().samples(), 64, "the last one is written at the end");
+    // One that cannot be written ends no render.
+    let plan = CheckpointPlan { path: folder.path().join("no such folder/file"), every: Duration::ZERO };
+    let mut render = Render::new(&scene, RenderSettings { checkpoint: Some(plan), ..settings }).unwrap();
+    let summary = render.run(&mut |_| ControlFlow::Continue(())).unwrap();
+    assert!(!summary.stopped && summary.samples == 64);
+    assert!(summary.checkpoint_failure.is_some_and(|why| why.contains("no such folder")));
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "no other file is left");
+}
