@@ -1,4 +1,5 @@
-//! The boundary between C and Rust: checks of pointers and handles, conversion of panics to errors, and storage of failures.
+//! The boundary between C and Rust: checks of pointers and handles, conversion of panics to errors, the floating-point state,
+//! and storage of failures.
 
 use std::cell::{Cell, RefCell};
 use std::ffi::{CStr, c_char, c_void};
@@ -7,6 +8,7 @@ use std::ptr;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use super::float_state::{in_default_state, in_host_state};
 use super::status::{
     ETD_INVALID_HANDLE, ETD_OK, ETD_PANIC, Failure, Result, c_string, etd_last_error_message, etd_status, remember,
 };
@@ -70,7 +72,7 @@ impl Callbacks {
         if let Some(log) = self.log {
             let message = c_string(message);
             // SAFETY: the host provided the function for these calls; the string lives during the call.
-            unsafe { log(self.user_data.0, level, message.as_ptr()) }
+            in_host_state(|| unsafe { log(self.user_data.0, level, message.as_ptr()) });
         }
     }
 
@@ -81,7 +83,7 @@ impl Callbacks {
         }
         let message = c_string(&failure.message);
         // SAFETY: as in `log`.
-        unsafe { error(self.user_data.0, failure.status, message.as_ptr()) }
+        in_host_state(|| unsafe { error(self.user_data.0, failure.status, message.as_ptr()) });
         REPORTING.set(false);
     }
 }
@@ -317,7 +319,8 @@ fn fail(object: Option<&Header>, failure: &Failure) -> etd_status {
     remember(failure);
     if let Some(object) = object {
         let message = etd_last_error_message();
-        object.store(failure);
+        // The error callback is called as all functions of the host are, from the default state.
+        in_default_state(|| object.store(failure));
         // Calls inside the error callback may have failed too. The last error is that of the outer call.
         if etd_last_error_message() != message {
             remember(failure);
@@ -326,9 +329,9 @@ fn fail(object: Option<&Header>, failure: &Failure) -> etd_status {
     failure.status
 }
 
-/// Turns a panic into a failure.
+/// Runs the body of a call in the default floating-point state, and turns a panic into a failure.
 pub(super) fn catch<R>(body: impl FnOnce() -> Result<R>) -> Result<R> {
-    catch_unwind(AssertUnwindSafe(body)).unwrap_or_else(|panic| {
+    in_default_state(|| catch_unwind(AssertUnwindSafe(body))).unwrap_or_else(|panic| {
         let text = panic
             .downcast_ref::<&str>()
             .map(|text| (*text).to_owned())

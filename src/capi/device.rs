@@ -8,6 +8,7 @@ use super::boundary::{
     Callbacks, Header, Object, UserData, boundary, catch, give, need, object, peek, read_sized, release, retain,
     take_status,
 };
+use super::float_state::in_host_state;
 use super::status::{ETD_INVALID_ARGUMENT, Failure, etd_status};
 use super::types::{ETD_LOG_INFO, etd_device_options, etd_work_fn};
 use crate::embree::MemoryBudget;
@@ -147,7 +148,7 @@ fn submit_to_host(submit: SubmitFn, user_data: UserData, job: Job) {
 
     let argument = Box::into_raw(Box::new(job)).cast::<c_void>();
     // SAFETY: the host provided the function for these calls.
-    unsafe { submit(user_data.0, Some(work), argument) }
+    in_host_state(|| unsafe { submit(user_data.0, Some(work), argument) });
 }
 
 /// Adds a reference to a device. Thread-safe.

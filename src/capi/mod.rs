@@ -18,6 +18,7 @@ mod describe;
 mod device;
 mod environment;
 mod film;
+mod float_state;
 mod last_error;
 mod light;
 mod lighting;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::boundary::UserData;
+use super::float_state::in_host_state;
 use super::types::{ETD_PHASE_BUILD, etd_phase, etd_progress, etd_progress_fn};
 use crate::Cancel;
 
@@ -67,7 +68,7 @@ impl HostProgress {
         let fraction = self.at(fraction);
         let report = etd_progress { fraction, elapsed: self.start.elapsed().as_secs_f64(), ..report };
         // SAFETY: the host provided the function for these calls; the report lives during the call.
-        if unsafe { function(self.user_data.0, &raw const report) } == 0 {
+        if in_host_state(|| unsafe { function(self.user_data.0, &raw const report) }) == 0 {
             return ControlFlow::Continue(());
         }
         self.cancel.cancel();

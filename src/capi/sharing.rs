@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::boundary::UserData;
+use super::float_state::in_host_state;
 use super::status::Result;
 use super::types::etd_release_fn;
 
@@ -19,7 +20,7 @@ impl Drop for Sharing {
     fn drop(&mut self) {
         if let (Some(release), true) = (self.release, *self.accepted.get_mut()) {
             // SAFETY: the host provided the function for these calls.
-            unsafe { release(self.user_data.0) }
+            in_host_state(|| unsafe { release(self.user_data.0) });
         }
     }
 }

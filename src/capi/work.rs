@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use super::boundary::{ActiveWork, Object, UserData, catch, is_active, lock, read_sized, share};
 use super::device::etd_device;
 use super::film::etd_film;
+use super::float_state::in_host_state;
 use super::progress::{BUILD_FRACTION, BuildReport, initial_progress};
 use super::read;
 use super::scene::etd_scene;
@@ -145,7 +146,7 @@ impl RenderWork {
         if let Some(callback) = self.options.progress {
             let _active = ActiveWork::enter(self.address());
             // SAFETY: the host provided the function for these calls; the report lives during the call.
-            if unsafe { callback(self.user_data.0, &raw const progress) } != 0 {
+            if in_host_state(|| unsafe { callback(self.user_data.0, &raw const progress) }) != 0 {
                 cancel.cancel();
             }
         }
@@ -274,7 +275,7 @@ impl RenderWork {
         if let Some(finished) = self.options.finished {
             let _active = ActiveWork::enter(self.address());
             // SAFETY: the host provided the function for these calls.
-            unsafe { finished(self.user_data.0, status) }
+            in_host_state(|| unsafe { finished(self.user_data.0, status) });
         }
         lock(&self.state).is_over = true;
         self.ended.notify_all();

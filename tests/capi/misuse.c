@@ -1076,6 +1076,7 @@ int main(int count, char **arguments) {
     etd_scene_release(scene);
     etd_device_release(device);
 
+    misuse_float();
     misuse_life(quick);
     remove("misuse-scene.json");
     remove("misuse-mesh.obj");

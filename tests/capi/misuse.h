@@ -35,6 +35,9 @@ void misuse_lighting(void);
 /* Where errors say that something is wrong, in misuse_errors.c. */
 void misuse_errors(void);
 
+/* The caller's floating-point state, in misuse_float.c. */
+void misuse_float(void);
+
 /* What goes wrong over time: states, orders, threads, callbacks. `quick`: with few repetitions. */
 void misuse_life(int quick);
 
