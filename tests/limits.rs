@@ -111,6 +111,7 @@ fn the_summary_says_what_ended_it() {
     let (image, summary) = run(&scene, settings(&endless, Some(Duration::ZERO), None));
     assert_eq!((summary.ended, summary.samples), (Ended::Time, 1));
     assert!(image.layer("samples").unwrap().data.iter().all(|&count| count >= 1.0));
+    assert!(summary.notes.iter().any(|note| note.contains("first sample")), "{:?}", summary.notes);
 
     let mut render = Render::new(&scene, settings(&endless, None, None)).unwrap();
     let summary = render.run(&mut |_| ControlFlow::Break(())).unwrap();

@@ -4,7 +4,7 @@ use std::alloc::{Layout, alloc_zeroed};
 use std::collections::HashMap;
 use std::ffi::c_char;
 use std::path::Path;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, Weak};
 
 use super::boundary::{
     Header, Object, give, lock, need, object, on, optional_text, read_sized, release, retain, take_status, text,
@@ -17,7 +17,7 @@ use super::types::*;
 use crate::Cancel;
 use crate::desc::MAX_PIXELS;
 use crate::embree::Charge;
-use crate::film::{Film, Image, LayerKind, TILE, pixel_bytes};
+use crate::film::{Film, Image, LayerKind, Shown, TILE, pixel_bytes};
 use crate::output::{self, Attribute, ToneMap, WriteOptions};
 use crate::spectrum::Primaries;
 
@@ -40,10 +40,20 @@ const FIRST_HIT: u32 =
     ETD_LAYER_ALBEDO as u32 | ETD_LAYER_NORMAL as u32 | ETD_LAYER_DEPTH as u32 | ETD_LAYER_ALPHA as u32;
 
 /// A developed image: the colour with alpha, and the layers that the film keeps.
+#[derive(Default)]
 struct DevelopedImage {
     rgba: Vec<f32>,
     layers: Vec<(LayerKind, Vec<f32>)>,
     samples: u32,
+    /// The sums that the image shows, and how much of them.
+    sums: Weak<Film>,
+    shown: Shown,
+}
+
+impl DevelopedImage {
+    fn is_of(&self, sums: &Arc<Film>) -> bool {
+        std::ptr::eq(self.sums.as_ptr(), Arc::as_ptr(sums))
+    }
 }
 
 /// A film: its resolution, its layers and its newest image.
@@ -122,8 +132,14 @@ impl etd_film {
         lock(&self.state).images
     }
 
+    /// Whether the newest image lacks samples of these sums.
+    pub(super) fn has_news(&self, sums: &Arc<Film>) -> bool {
+        let front = Arc::clone(&lock(&self.state).front);
+        if front.is_of(sums) { sums.has_changed(&front.shown) } else { sums.has_changed(&Shown::default()) }
+    }
+
     /// Develops the current sums to the film's newest image. Returns `false` if that was cancelled.
-    pub(super) fn publish(&self, sums: &Film, samples: u32, cancel: &Cancel) -> Result<bool> {
+    pub(super) fn publish(&self, sums: &Arc<Film>, samples: u32, cancel: &Cancel) -> Result<bool> {
         let spare = lock(&self.state).spare.take();
         let mut frame = match spare {
             Some(frame) => frame,
@@ -131,7 +147,10 @@ impl etd_film {
         };
         frame.samples = samples;
         let with_alpha = self.layers & ETD_LAYER_ALPHA as u32 != 0;
-        let is_whole = sums.read_into(&mut frame.rgba, with_alpha, &mut frame.layers, cancel)?;
+        if !frame.is_of(sums) {
+            (frame.sums, frame.shown) = (Arc::downgrade(sums), Shown::default());
+        }
+        let is_whole = sums.read_into(&mut frame.rgba, with_alpha, &mut frame.layers, &mut frame.shown, cancel)?;
         let mut state = lock(&self.state);
         if is_whole {
             let old = std::mem::replace(&mut state.front, Arc::new(frame));
@@ -166,7 +185,8 @@ impl etd_film {
         let pixels = self.resolution[0] as usize * self.resolution[1] as usize;
         let kept = LAYERS.iter().filter(|(layer, _)| self.layers & *layer as u32 != 0);
         let layers = kept.map(|(_, kind)| Ok((*kind, zeros(pixels * kind.channels())?)));
-        Ok(DevelopedImage { rgba: zeros(4 * pixels)?, layers: layers.collect::<Result<_>>()?, samples: 0 })
+        let (rgba, layers) = (zeros(4 * pixels)?, layers.collect::<Result<_>>()?);
+        Ok(DevelopedImage { rgba, layers, ..DevelopedImage::default() })
     }
 
     /// Returns the data of a layer and its number of channels.
@@ -251,7 +271,7 @@ pub unsafe extern "C" fn etd_film_new(
             // The sums and two images: one that is shown and one that is being developed.
             let bytes = in_tiles * pixel_bytes(first_hits) as u64 + pixels * 2 * 4 * (4 + channels as u64);
             let charge = device.budget.try_charge(usize::try_from(bytes).unwrap_or(usize::MAX))?;
-            let empty = Arc::new(DevelopedImage { rgba: Vec::new(), layers: Vec::new(), samples: 0 });
+            let empty = Arc::new(DevelopedImage::default());
             let film = etd_film {
                 header: Header::new::<etd_film>(device.callbacks()),
                 resolution: [it.width, it.height],

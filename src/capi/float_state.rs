@@ -5,6 +5,8 @@
 //! library therefore computes in the default state, the host's functions are called in the host's, and a call leaves the
 //! state as it was, with its exception flags.
 
+#[cfg(target_arch = "x86_64")]
+use std::arch::asm;
 use std::cell::Cell;
 
 /// The registers of the state.
@@ -24,54 +26,19 @@ impl FloatState {
     const CONTROL: u32 = 0xffc0;
 
     /// The state of this thread.
-    #[cfg(target_arch = "x86_64")]
     #[inline]
     fn read() -> Self {
-        let mut state = Self { mxcsr: 0, x87: 0 };
-        // SAFETY: the instructions write the two registers to two places of their size.
-        unsafe {
-            std::arch::asm!(
-                "stmxcsr [{mxcsr}]",
-                "fnstcw [{x87}]",
-                mxcsr = in(reg) &raw mut state.mxcsr,
-                x87 = in(reg) &raw mut state.x87,
-                options(nostack, preserves_flags),
-            );
-        }
-        state
+        Self { mxcsr: read_mxcsr(), x87: read_x87() }
     }
 
     /// Makes this the state of this thread.
-    #[cfg(target_arch = "x86_64")]
-    #[inline]
     fn write(self) {
-        // SAFETY: both values were read from the registers, or are the default. Code that the compiler believes to run in the
-        // default state is between calls that it cannot look into.
-        unsafe {
-            std::arch::asm!(
-                "ldmxcsr [{mxcsr}]",
-                mxcsr = in(reg) &raw const self.mxcsr,
-                options(nostack, preserves_flags, readonly),
-            );
-        }
+        write_mxcsr(self.mxcsr);
         // This takes longer, and hardly any program changes the word.
-        if Self::read().x87 != self.x87 {
-            // SAFETY: as above. Flags of exceptions that are unmasked by this word trap at the next x87 instruction, as they
-            // would have without this library: it has no such instruction.
-            unsafe {
-                std::arch::asm!("fldcw [{x87}]", x87 = in(reg) &raw const self.x87, options(nostack, preserves_flags, readonly));
-            }
+        if read_x87() != self.x87 {
+            write_x87(self.x87);
         }
     }
-
-    /// Other processors have other registers, which are left as they are.
-    #[cfg(not(target_arch = "x86_64"))]
-    fn read() -> Self {
-        Self::DEFAULT
-    }
-
-    #[cfg(not(target_arch = "x86_64"))]
-    fn write(self) {}
 
     /// Whether computing in this state is as in the other one, whatever exceptions have occurred.
     #[inline]
@@ -79,6 +46,58 @@ impl FloatState {
         (self.mxcsr ^ other.mxcsr) & Self::CONTROL == 0 && self.x87 == other.x87
     }
 }
+
+#[cfg(target_arch = "x86_64")]
+#[inline]
+fn read_mxcsr() -> u32 {
+    let mut value = 0_u32;
+    // SAFETY: the instruction writes the register to a place of its size.
+    unsafe { asm!("stmxcsr [{}]", in(reg) &raw mut value, options(nostack, preserves_flags)) }
+    value
+}
+
+#[cfg(target_arch = "x86_64")]
+#[inline]
+fn read_x87() -> u16 {
+    let mut value = 0_u16;
+    // SAFETY: as above.
+    unsafe { asm!("fnstcw [{}]", in(reg) &raw mut value, options(nostack, preserves_flags)) }
+    value
+}
+
+#[cfg(target_arch = "x86_64")]
+#[inline]
+fn write_mxcsr(value: u32) {
+    // SAFETY: the value was read from the register, or is the default. In another state than the default one runs no code that the
+    // compiler knows, but for what is between two calls that it cannot look into.
+    unsafe { asm!("ldmxcsr [{}]", in(reg) &raw const value, options(nostack, preserves_flags)) }
+}
+
+#[cfg(target_arch = "x86_64")]
+fn write_x87(value: u16) {
+    // SAFETY: as above.
+    unsafe { asm!("fldcw [{}]", in(reg) &raw const value, options(nostack, preserves_flags)) }
+}
+
+/// Other processors have other registers, which are left as they are.
+#[cfg(not(target_arch = "x86_64"))]
+mod elsewhere {
+    use super::FloatState;
+
+    pub fn read_mxcsr() -> u32 {
+        FloatState::DEFAULT.mxcsr
+    }
+
+    pub fn read_x87() -> u16 {
+        FloatState::DEFAULT.x87
+    }
+
+    pub fn write_mxcsr(_value: u32) {}
+
+    pub fn write_x87(_value: u16) {}
+}
+#[cfg(not(target_arch = "x86_64"))]
+use elsewhere::{read_mxcsr, read_x87, write_mxcsr, write_x87};
 
 thread_local! {
     /// The state that functions of the host expect on this thread, where it is not the default one.
@@ -90,10 +109,11 @@ thread_local! {
 pub(super) fn in_default_state<R>(body: impl FnOnce() -> R) -> R {
     let host = FloatState::read();
     if host.computes_as(FloatState::DEFAULT) {
-        let result = opaque(body);
+        // The compiler believes the same of the state, so that it may look into `body`.
+        let result = body();
         // What the library computes raises flags, such as that of an inexact result.
-        if FloatState::read() != host {
-            host.write();
+        if read_mxcsr() != host.mxcsr {
+            write_mxcsr(host.mxcsr);
         }
         return result;
     }

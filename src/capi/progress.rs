@@ -1,13 +1,14 @@
 //! Progress callbacks of calls that return when their work is done.
 
 use std::ops::ControlFlow;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
-use super::boundary::UserData;
+use super::boundary::{UserData, lock};
 use super::float_state::in_host_state;
 use super::types::{ETD_PHASE_BUILD, etd_phase, etd_progress, etd_progress_fn};
 use crate::Cancel;
+use crate::control::PROGRESS_INTERVAL;
 
 /// Fraction of the progress that building a scene counts for.
 pub(super) const BUILD_FRACTION: f64 = 0.1;
@@ -26,6 +27,26 @@ pub(super) fn initial_progress(phase: etd_phase) -> etd_progress {
         samples_total: 0,
         phase,
         images: 0,
+    }
+}
+
+/// Lets about ten reports a second through, and those with which a phase or an image begins or the work ends.
+#[derive(Debug, Default)]
+pub(super) struct Pace(Option<etd_progress>);
+
+impl Pace {
+    /// Whether this report is due, at the time that it says itself.
+    pub fn is_due(&mut self, report: &etd_progress) -> bool {
+        let is_due = self.0.is_none_or(|last| {
+            report.elapsed >= last.elapsed + PROGRESS_INTERVAL.as_secs_f64()
+                || report.phase != last.phase
+                || report.images != last.images
+                || (report.fraction >= 1.0 && last.fraction < 1.0)
+        });
+        if is_due {
+            self.0 = Some(*report);
+        }
+        is_due
     }
 }
 
@@ -79,9 +100,41 @@ impl HostProgress {
     pub fn build(&self) -> BuildReport {
         self.function?;
         let own = self.clone();
+        let pace = Mutex::new(Pace::default());
         Some(Arc::new(move |fraction| {
-            // The build itself checks the token.
-            let _ = own.report(fraction, initial_progress(ETD_PHASE_BUILD));
+            let elapsed = own.start.elapsed().as_secs_f64();
+            let report = etd_progress { fraction, elapsed, ..initial_progress(ETD_PHASE_BUILD) };
+            let is_due = lock(&pace).is_due(&report);
+            if is_due {
+                // The build itself checks the token.
+                let _ = own.report(fraction, report);
+            }
         }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::capi::types::ETD_PHASE_RENDER;
+
+    #[test]
+    fn ten_reports_a_second_are_let_through() {
+        let mut pace = Pace::default();
+        let steps = (0..=512_u32).map(|step| etd_progress {
+            fraction: f64::from(step) / 512.0,
+            elapsed: f64::from(step) / 512.0,
+            ..initial_progress(ETD_PHASE_BUILD)
+        });
+        let told: Vec<f64> = steps.filter(|report| pace.is_due(report)).map(|report| report.fraction).collect();
+        assert_eq!((told.len(), told[0], told[told.len() - 1]), (11, 0.0, 1.0), "{told:?}");
+
+        let report = etd_progress { elapsed: 1.0, fraction: 0.0, ..initial_progress(ETD_PHASE_RENDER) };
+        assert!(pace.is_due(&report), "another phase");
+        assert!(!pace.is_due(&report), "the same again");
+        let report = etd_progress { images: 1, ..report };
+        assert!(pace.is_due(&report), "another image");
+        assert!(!pace.is_due(&etd_progress { elapsed: 1.09, ..report }));
+        assert!(pace.is_due(&etd_progress { elapsed: 1.1, ..report }));
     }
 }

@@ -9,7 +9,7 @@ use super::boundary::{ActiveWork, Object, UserData, catch, is_active, lock, read
 use super::device::etd_device;
 use super::film::etd_film;
 use super::float_state::in_host_state;
-use super::progress::{BUILD_FRACTION, BuildReport, initial_progress};
+use super::progress::{BUILD_FRACTION, BuildReport, Pace, initial_progress};
 use super::read;
 use super::scene::etd_scene;
 use super::status::{ETD_CANCELLED, ETD_DEVICE, ETD_OK, Failure, Result};
@@ -23,10 +23,11 @@ use crate::output::summary_attributes;
 use crate::render::{Ended, Render, RenderSettings, Summary};
 
 /// A film gets a new image in the middle of a pass only if its last image is at least this old.
-const IMAGE_INTERVAL: Duration = Duration::from_secs(1);
+const IMAGE_INTERVAL: Duration = Duration::from_millis(200);
 
-/// A film gets a new image in the middle of a pass only after this many times the duration of making the last image.
-const IMAGE_COST: u32 = 50;
+/// A film gets a new image in the middle of a pass only after this many times the duration of making the last image. An image
+/// takes time for the pixels that have changed, so this bounds little more than the time of the first two.
+const IMAGE_COST: u32 = 4;
 
 /// A render that a call or a task does: its input, its progress and its outcome.
 pub(super) struct RenderWork {
@@ -49,6 +50,8 @@ struct WorkState {
     /// The token of the current run.
     cancel: Cancel,
     progress: etd_progress,
+    /// Which reports the host gets.
+    pace: Pace,
     /// Number of the current run. Each resumption is a new run.
     run: u64,
     /// The outcome of the previous run, for threads that still wait for that run.
@@ -106,6 +109,7 @@ impl RenderWork {
             state: Mutex::new(WorkState {
                 cancel: cancel.clone(),
                 progress: initial_progress(ETD_PHASE_BUILD),
+                pace: Pace::default(),
                 run: 0,
                 previous_outcome: None,
                 has_begun: false,
@@ -134,16 +138,17 @@ impl RenderWork {
         is_active(self.address())
     }
 
-    /// Changes the progress report and calls the host's progress callback.
+    /// Changes the progress report and calls the host's progress callback, if that is due.
     fn report(&self, cancel: &Cancel, change: impl FnOnce(&mut etd_progress)) {
-        let progress = {
+        let (progress, is_due) = {
             let mut state = lock(&self.state);
             let before = state.progress.fraction;
             change(&mut state.progress);
             state.progress.fraction = state.progress.fraction.max(before);
-            state.progress
+            let progress = state.progress;
+            (progress, state.pace.is_due(&progress))
         };
-        if let Some(callback) = self.options.progress {
+        if let Some(callback) = self.options.progress.filter(|_| is_due) {
             let _active = ActiveWork::enter(self.address());
             // SAFETY: the host provided the function for these calls; the report lives during the call.
             if in_host_state(|| unsafe { callback(self.user_data.0, &raw const progress) }) != 0 {
@@ -205,16 +210,15 @@ impl RenderWork {
         let sums = Arc::clone(render.film());
         self.film.set_sums(&sums);
         let built = if build_time.is_zero() { 0.0 } else { BUILD_FRACTION };
-        let mut last_image = Instant::now();
-        let mut image_cost = Duration::ZERO;
+        // The first image is made as soon as anything is there.
+        let mut last_image = None::<(Instant, Duration)>;
         let mut failure = None;
         let summary = render.run(&mut |progress| {
-            let is_due = progress.image.is_some() || last_image.elapsed() > IMAGE_INTERVAL.max(IMAGE_COST * image_cost);
-            if is_due {
+            let is_old = |(made, cost): (Instant, Duration)| made.elapsed() >= IMAGE_INTERVAL.max(IMAGE_COST * cost);
+            if progress.image.is_some() || (last_image.is_none_or(is_old) && self.film.has_news(&sums)) {
                 let begin = Instant::now();
                 failure = self.film.publish(&sums, progress.samples_done, cancel).err();
-                last_image = Instant::now();
-                image_cost = last_image - begin;
+                last_image = Some((Instant::now(), begin.elapsed()));
             }
             let images = self.film.images();
             self.report(cancel, |report| {
@@ -338,6 +342,7 @@ impl RenderWork {
             state.is_over = false;
             state.cancel = Cancel::new();
             state.progress = initial_progress(ETD_PHASE_RENDER);
+            state.pace = Pace::default();
             (state.run, state.thread.take())
         };
         // Threads that wait for the previous run return now.

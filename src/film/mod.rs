@@ -60,6 +60,10 @@ pub struct Film {
     tiles: Box<[Mutex<Tile>]>,
 }
 
+/// How much of a film [`Film::read_into`] has developed: for each tile, how often it had changed.
+#[derive(Clone, Debug, Default)]
+pub struct Shown(Vec<u64>);
+
 /// The pixels of a tile, row by row with [`TILE`] in a row, including those outside the image; empty until the tile is
 /// filled.
 #[derive(Debug, Default)]
@@ -69,6 +73,8 @@ pub(crate) struct Tile {
     pub auxiliary: Vec<Auxiliary>,
     /// One for each pixel; empty where pixels have no photon state.
     pub gathering: Vec<PixelPhotonState>,
+    /// Number of samples that were ever added.
+    changes: u64,
 }
 
 impl Tile {
@@ -81,6 +87,7 @@ impl Tile {
     /// [`FilmOptions::share`].
     #[inline]
     pub(crate) fn add_sample(&mut self, index: usize, sample: PixelSample, share: u32) {
+        self.changes += 1;
         self.pixels[index].add(sample.radiance, sample.weight, share);
         if let (Some(kept), Some(gathering)) = (self.gathering.get_mut(index), sample.gathering) {
             *kept = gathering;
@@ -239,7 +246,17 @@ impl Film {
     }
 
     /// The same; false if it was cancelled before the end.
-    fn for_each_unless(&self, cancel: &Cancel, mut visit: impl FnMut(usize, &Pixel, PixelExtras)) -> bool {
+    fn for_each_unless(&self, cancel: &Cancel, visit: impl FnMut(usize, &Pixel, PixelExtras)) -> bool {
+        self.for_each_where(cancel, |_, _| true, visit)
+    }
+
+    /// The same for the pixels of the tiles that `wants` accepts. It is asked once for each tile, by its number.
+    fn for_each_where(
+        &self,
+        cancel: &Cancel,
+        mut wants: impl FnMut(usize, &Tile) -> bool,
+        mut visit: impl FnMut(usize, &Pixel, PixelExtras),
+    ) -> bool {
         let [width, height] = self.options.resolution;
         let unsampled = Pixel::default();
         for (number, tile) in self.tiles.iter().enumerate() {
@@ -248,6 +265,9 @@ impl Film {
             }
             let [left, top] = self.tile_origin(number);
             let tile = lock(tile);
+            if !wants(number, &tile) {
+                continue;
+            }
             for y in top..(top + TILE).min(height) {
                 for x in left..(left + TILE).min(width) {
                     let index = ((y - top) * TILE + (x - left)) as usize;
@@ -345,6 +365,9 @@ impl Film {
     /// The same as [`Film::rgba_into`] and [`Film::layer_into`] for several layers, in one pass over the film; false if
     /// it was cancelled before the end, in which case some values are older than others.
     ///
+    /// `shown`: what the values are of; [`Shown::default`] where they are of nothing. Only tiles that have changed since are
+    /// developed, so that a film of which little has changed takes little time.
+    ///
     /// # Errors
     /// As for these two.
     pub fn read_into(
@@ -352,13 +375,18 @@ impl Film {
         rgba: &mut [f32],
         alpha: bool,
         layers: &mut [(LayerKind, Vec<f32>)],
+        shown: &mut Shown,
         cancel: &Cancel,
     ) -> Result<bool> {
         self.check_length(rgba, 4)?;
         for (layer, out) in &*layers {
             self.check_layer(*layer, out)?;
         }
-        Ok(self.for_each_unless(cancel, |place, pixel, extras| {
+        let shown = &mut shown.0;
+        shown.resize(self.tiles.len(), u64::MAX);
+        let has_changed =
+            |number: usize, tile: &Tile| std::mem::replace(&mut shown[number], tile.changes) != tile.changes;
+        Ok(self.for_each_where(cancel, has_changed, |place, pixel, extras| {
             if let Some(out) = rgba.get_mut(4 * place..4 * place + 4) {
                 out.copy_from_slice(&self.rgba(pixel, extras.auxiliary, alpha));
             }
@@ -366,6 +394,12 @@ impl Film {
                 write_pixel(*layer, self.options.share, place, pixel, extras, out);
             }
         }))
+    }
+
+    /// Whether there are samples that the values of [`Film::read_into`] do not show yet.
+    pub fn has_changed(&self, shown: &Shown) -> bool {
+        let seen = |number: usize| shown.0.get(number).copied().unwrap_or(0);
+        self.tiles.iter().enumerate().any(|(number, tile)| lock(tile).changes != seen(number))
     }
 
     fn rgba(&self, pixel: &Pixel, auxiliary: Option<&Auxiliary>, alpha: bool) -> [f32; 4] {
@@ -502,6 +536,27 @@ mod tests {
         // Of eight replicates at 2 -+ 1, the variance of the mean is 1/7.
         assert_eq!(errors[0..3], [0.0; 3]);
         assert!(errors[3..6].iter().all(|error| (error - 7.0_f32.sqrt().recip()).abs() < 1e-6), "{errors:?}");
+    }
+
+    #[test]
+    fn tiles_that_have_not_changed_are_not_developed_again() {
+        let film = film(false);
+        let (mut rgba, mut shown) = (vec![f32::NAN; 4 * 19 * 17], Shown::default());
+        let read = |rgba: &mut [f32], shown: &mut Shown| film.read_into(rgba, true, &mut [], shown, &Cancel::new());
+        assert!(!film.has_changed(&shown), "a film without samples has nothing to show");
+        assert!(read(&mut rgba, &mut shown).unwrap());
+        assert!(rgba.chunks_exact(4).all(|pixel| pixel == [0.0, 0.0, 0.0, 1.0]), "but it is black");
+        film.tile(1).add_sample(16, sample(2.0, None), 1);
+        assert!(film.has_changed(&shown));
+        rgba.fill(f32::NAN);
+        assert!(read(&mut rgba, &mut shown).unwrap());
+        assert!(!film.has_changed(&shown));
+        // The second tile has the last three columns of the first 16 rows.
+        let developed = rgba.chunks_exact(4).enumerate().filter(|(_, pixel)| !pixel[0].is_nan());
+        let places: Vec<usize> = developed.map(|(place, _)| place).collect();
+        let expected: Vec<usize> = (0..16).flat_map(|y| (16..19).map(move |x| 19 * y + x)).collect();
+        assert_eq!(places, expected);
+        assert_eq!(rgba[4 * (19 + 16)], 2.0);
     }
 
     #[test]

@@ -392,6 +392,8 @@ impl Render {
     /// [`crate::ErrorKind::Internal`] if a worker or a shape's intersection test panicked.
     pub fn run(&mut self, progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>) -> Result<Summary> {
         let start = Instant::now();
+        let is_first_run = self.samples == 0;
+        let mut passes = 0;
         let mut schedule = Schedule::new(&self.settings, self.film.options().share, self.adaptive == Ok(true));
         if self.wants_solution() {
             schedule.preparation = SOLUTION_FRACTION;
@@ -425,6 +427,7 @@ impl Render {
             if let Some(keeper) = &mut keeper {
                 keeper.keep(|| self.state(), false);
             }
+            passes += 1;
             let image = || self.film.develop();
             let done = f64::from(self.samples);
             let report = schedule.progress(self.samples, done, self.rays, start.elapsed(), Some(&image));
@@ -442,6 +445,12 @@ impl Render {
         }
         let mut summary = self.summary(start.elapsed(), ended);
         summary.checkpoint_failure = keeper.and_then(|keeper| keeper.failure).map(|error| error.to_string());
+        if ended == Ended::Time && is_first_run && passes == 1 && self.samples == 1 {
+            summary.notes.push(
+                "the time limit ended the render after the first sample of each pixel, which it does not apply to"
+                    .to_owned(),
+            );
+        }
         Ok(summary)
     }
 

@@ -171,3 +171,29 @@ where
         self.results.len()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+    use std::time::Duration;
+
+    use super::*;
+
+    #[test]
+    fn a_deadline_ends_work_between_its_pieces() {
+        let (workers, cancel) = (Workers::calling_thread(), Cancel::new());
+        let deadline = Instant::now().checked_add(Duration::from_millis(1));
+        let mut callback = |_| false;
+        let mut pool = WorkerPool::new(&workers, &cancel, deadline, &mut callback);
+        let done = Arc::new(AtomicUsize::new(0));
+        let pieces = Arc::clone(&done);
+        let outcome = pool.map(1000, move |_| {
+            pieces.fetch_add(1, Ordering::Relaxed);
+            std::thread::sleep(PROGRESS_INTERVAL / 4);
+        });
+        assert_eq!(outcome.unwrap_err().kind(), ErrorKind::Cancelled);
+        assert!(pool.token.is_cancelled(), "pieces under way hear of it");
+        assert!(done.load(Ordering::Relaxed) < 10, "{done:?} pieces were done");
+        assert_eq!(pool.check().unwrap_err().kind(), ErrorKind::Cancelled);
+    }
+}

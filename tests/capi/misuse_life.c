@@ -412,6 +412,53 @@ static void listen_error(void *user_data, etd_status status, const char *message
     CHECK_STATUS(etd_film_new(it->device, NULL, NULL), ETD_INVALID_ARGUMENT);
 }
 
+/* What a progress function was told: how soon after each other, and when the first image came. */
+struct pace {
+    etd_progress last;
+    unsigned long calls;
+    unsigned long hasty;
+    unsigned long until_image;
+};
+
+static int32_t take_time(void *user_data, const etd_progress *progress) {
+    struct pace *it = user_data;
+    it->hasty += it->calls > 0 && progress->phase == it->last.phase && progress->images == it->last.images &&
+                 progress->fraction < 1 && progress->elapsed < it->last.elapsed + 0.099;
+    it->hasty += progress->fraction < it->last.fraction;
+    it->last = *progress;
+    it->calls++;
+    if (progress->phase == ETD_PHASE_RENDER && it->until_image == 0 && it->last.images > 0) {
+        it->until_image = it->calls;
+    }
+    return it->until_image > 0 || (progress->phase == ETD_PHASE_RENDER && it->calls > 60);
+}
+
+/* Reports come ten times a second, and the first image of a large film before its first pass is done. */
+static void paces(void) {
+    etd_device *device = new_device(2);
+    etd_scene *scene = new_scene(device);
+    etd_film *film = new_film(device, 1500, 1500, 0);
+    etd_render_options options = short_render(16);
+    struct pace seen;
+    uint32_t mesh;
+    memset(&seen, 0, sizeof seen);
+    add_grid(scene, 300, &mesh);
+    CHECK_OK(etd_scene_commit(scene, take_time, &seen));
+    CHECK(seen.calls > 0 && seen.hasty == 0);
+    memset(&seen, 0, sizeof seen);
+    options.progress = take_time;
+    options.user_data = &seen;
+    CHECK_STATUS(etd_render(scene, film, &options), ETD_CANCELLED);
+    CHECK(seen.hasty == 0);
+    if (!CHECK(seen.until_image > 0 && seen.until_image <= 4 && seen.last.samples_done == 0)) {
+        fprintf(stderr, "  the image came with call %lu, after %.2f s and %u samples\n", seen.until_image, seen.last.elapsed,
+                (unsigned)seen.last.samples_done);
+    }
+    etd_film_release(film);
+    etd_scene_release(scene);
+    etd_device_release(device);
+}
+
 static void listeners(void) {
     struct listener it;
     etd_device_options options = ETD_DEVICE_OPTIONS_INIT;
@@ -1028,6 +1075,7 @@ void misuse_life(int quick) {
     every_order();
     shared_arrays();
     listeners();
+    paces();
     callbacks(1);
     callbacks(2);
     executors();
