@@ -313,6 +313,70 @@ fn any_changed_byte_is_noticed() {
     assert!(error.to_string().contains("no checkpoint of a render"), "{error}");
 }
 
+/// Places in a checkpoint after which a checksum lies.
+fn ends_of_blocks(bytes: &[u8], pixels: &[usize], bytes_of_a_pixel: usize) -> Vec<usize> {
+    let number = |place: usize| u32::from_le_bytes(bytes[place..place + 4].try_into().unwrap());
+    let mut ends = vec![16 + number(12) as usize];
+    let mut after = |length: usize| ends.push(ends[ends.len() - 1] + 4 + length);
+    pixels.iter().for_each(|pixels| after(4 + pixels * bytes_of_a_pixel));
+    while ends[ends.len() - 1] + 20 < bytes.len() {
+        let block = ends[ends.len() - 1] + 4;
+        let length = 8 + 9 * number(block + 4) as usize;
+        ends.push(block + length);
+    }
+    ends.push(bytes.len() - 4);
+    ends
+}
+
+/// Whoever changes a checkpoint on purpose can make its checksums right as well. It is refused, or has some other film.
+#[test]
+fn what_was_forged_is_refused_or_harmless() {
+    let scene = built(&room(PAINT));
+    let mut settings = settings(IntegratorDesc::Sppm);
+    (settings.desc.resolution, settings.desc.samples) = ([20, 3], 2);
+    let original = finish(Render::new(&scene, settings.clone()).unwrap());
+    let original = bytes(&original.checkpoint().unwrap());
+    let ends = ends_of_blocks(&original, &[48, 12], 208 + 60 + 96);
+    let mut random = 1_u64;
+    let mut next = |below: usize| {
+        random = random.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (random >> 33) as usize % below
+    };
+    let (mut read, mut refused) = (0, 0);
+    for _ in 0..3000 {
+        let mut forged = original.clone();
+        // Half of the changes are in the header.
+        let block = if next(2) == 0 { 0 } else { next(ends.len()) };
+        let begin = if block == 0 { 0 } else { ends[block - 1] + 4 };
+        for _ in 0..1 + next(3) {
+            let place = begin + next(ends[block] - begin);
+            forged[place] = match next(4) {
+                0 => 0,
+                1 => 0xff,
+                2 => b"0123456789-.eE\"{}[],:"[next(21)],
+                _ => next(256) as u8,
+            };
+        }
+        let sum = crc32fast::hash(&forged[begin..ends[block]]);
+        forged[ends[block]..ends[block] + 4].copy_from_slice(&sum.to_le_bytes());
+        match Checkpoint::read_from(&forged[..]) {
+            Err(error) => {
+                assert!(error.kind() != ErrorKind::Internal, "{error}");
+                refused += 1;
+            }
+            Ok(checkpoint) => {
+                read += 1;
+                checkpoint.film().develop();
+                checkpoint.film().rel_mse();
+                if let Ok(mut render) = Render::resume(&scene, settings.clone(), checkpoint) {
+                    render.run(&mut |_| ControlFlow::Break(())).unwrap();
+                }
+            }
+        }
+    }
+    assert!(read > 300 && refused > 300, "{read} read, {refused} refused");
+}
+
 #[test]
 fn checkpoints_are_written_while_the_render_goes_on() {
     let desc = room(GLASS);

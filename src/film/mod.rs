@@ -73,7 +73,7 @@ pub(crate) struct Tile {
     pub auxiliary: Vec<Auxiliary>,
     /// One for each pixel; empty where pixels have no photon state.
     pub gathering: Vec<PixelPhotonState>,
-    /// Number of samples that were ever added.
+    /// Number of times that samples were added.
     changes: u64,
 }
 
@@ -187,8 +187,10 @@ impl Film {
     pub(crate) fn copy_of(film: &Self) -> Result<Self> {
         let copy = Self::new(film.options)?;
         for (from, to) in film.tiles.iter().zip(&copy.tiles) {
-            let Tile { pixels, auxiliary, gathering } = &*lock(from);
-            let copied = Tile { pixels: copied(pixels)?, auxiliary: copied(auxiliary)?, gathering: copied(gathering)? };
+            let Tile { pixels, auxiliary, gathering, changes } = &*lock(from);
+            let changes = *changes;
+            let copied =
+                Tile { pixels: copied(pixels)?, auxiliary: copied(auxiliary)?, gathering: copied(gathering)?, changes };
             *lock(to) = copied;
         }
         Ok(copy)

@@ -94,6 +94,7 @@ impl Film {
     pub(crate) fn get_tile(&self, number: usize, bytes: &[u8]) -> Option<()> {
         let mut bytes = Bytes(bytes);
         let mut tile = self.tile(number);
+        tile.changes += 1;
         for index in self.tile_pixels(number) {
             tile.pixels[index] = AsBytes::get(&mut bytes)?;
             if let Some(auxiliary) = tile.auxiliary.get_mut(index) {
