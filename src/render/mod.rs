@@ -119,6 +119,8 @@ pub struct Render {
     /// Whether the render is adaptive. The error says why it is not, where the settings ask for adaptive sampling.
     adaptive: std::result::Result<bool, &'static str>,
     rays: u64,
+    /// Number of rays that the render had traced when it went on from a checkpoint.
+    earlier_rays: u64,
     non_finite: u64,
     non_finite_samples: Vec<NonFiniteSample>,
     /// What a checkpoint says about the render, as it was before the first sample.
@@ -299,6 +301,7 @@ impl Render {
             stage: None,
             adaptive,
             rays: 0,
+            earlier_rays: 0,
             non_finite: 0,
             non_finite_samples: Vec::new(),
             header,
@@ -313,8 +316,7 @@ impl Render {
     /// the layers of first hits are those of the checkpoint where the settings leave them open. With more samples than the render was begun with, an adaptive
     /// render chooses among pixels at other numbers of samples than one that was begun with as many.
     ///
-    /// [`Summary::rays`] counts rays of earlier parts as well; what is prepared before samples, such as photon maps, is made anew
-    /// and counted again.
+    /// [`Summary::rays`] counts those of this render alone, as its time does.
     ///
     /// # Errors
     /// The errors of [`Render::new`], and [`crate::ErrorKind::Unsupported`] for a checkpoint that does not fit, with what differs.
@@ -343,7 +345,7 @@ impl Render {
         render.samples = header.samples;
         let total = Schedule::new(&render.settings, 1, false).total();
         render.decision = header.decision.min(total);
-        render.rays = header.rays;
+        render.earlier_rays = header.rays;
         render.non_finite = render.film.non_finite();
         Ok(render)
     }
@@ -375,7 +377,7 @@ impl Render {
             samples: self.samples,
             decision: self.decision,
             stage: self.stage.as_ref().map(|stage| stage.span()),
-            rays: self.rays,
+            rays: self.earlier_rays + self.rays,
             ..self.header.clone()
         };
         let photons = self.plan.as_ref().and_then(Maps::state);
@@ -601,7 +603,7 @@ impl Render {
         pass.goals = self.stage.as_ref().map(|stage| stage.goals(self.samples + count));
         pass.tiles = Tiles::of(&self.film, self.settings.share);
         let (samples, rays_before) = (self.samples, self.rays);
-        let state = keeper.is_some().then(|| self.state());
+        let (state, earlier_rays) = (keeper.is_some().then(|| self.state()), self.earlier_rays);
         let mut is_stopped_by_callback = false;
         let pass = self.workers.run(pass, &mut |pass| {
             let done = f64::from(samples) + pass.fraction() * f64::from(count);
@@ -613,7 +615,7 @@ impl Render {
             }
             // Each pixel has some of the pass's samples or none of them; a render that is resumed adds those that are missing.
             if let (Some(keeper), Some(state)) = (&mut keeper, &state) {
-                keeper.keep(|| state.with_rays(rays), false);
+                keeper.keep(|| state.with_rays(earlier_rays + rays), false);
             }
         })?;
         self.rays += pass.rays.load(Ordering::Relaxed);
