@@ -19,6 +19,7 @@ mod maps;
 mod method;
 mod order;
 mod pass;
+mod places;
 mod replay;
 mod report;
 mod schedule;
@@ -39,11 +40,11 @@ use crate::Cancel;
 use crate::camera::{Camera, MovingCamera};
 use crate::desc::{Bias, FilterDesc, IntegratorDesc, Preparation, RenderDesc, SamplerDesc};
 use crate::error::{Error, ErrorKind, Result};
-use crate::film::{ErrorEstimate, ErrorMeasure, Film, FilmOptions, Image, Placement, TILE};
+use crate::film::{ErrorEstimate, ErrorMeasure, Film, FilmOptions, Image, Placement};
+use crate::integrator::Path;
 use crate::integrator::photon::{Choice, choose};
 use crate::integrator::radiosity::{Radiosity, RadiosityPicture};
 use crate::integrator::reuse::PathReuse;
-use crate::integrator::{Irradiance, Path, Probe, ProbeQuantity, Probes, Sites};
 use crate::integrator::{check_support, check_wavelengths, no_wavelengths};
 use crate::sampling::Filter;
 use crate::scene::Scene;
@@ -59,6 +60,7 @@ use sharing::{Found, Sharing, pilot};
 use worker_pool::WorkerPool;
 
 pub use checkpoint::{Checkpoint, CheckpointPlan};
+pub use places::IRRADIANCE_WIDTH;
 pub use replay::NonFiniteSample;
 pub use report::{Ended, Progress, Summary};
 pub use schedule::MOST_SAMPLES;
@@ -69,12 +71,6 @@ pub use workers::{MAX_THREADS, Workers};
 /// Fraction of a render that its radiosity solution counts for in progress reports. The times of the solution and of a sample
 /// are not known in advance.
 const SOLUTION_FRACTION: f64 = 0.5;
-
-/// Number of pixels in a row of a film of irradiance: one tile.
-pub const IRRADIANCE_WIDTH: u32 = TILE;
-
-/// Most points of space that lie in one row of a film: many tiles with few points each, so that all threads have work.
-const MOST_PROBES_IN_A_ROW: usize = 1 << 12;
 
 /// Smallest number of pixels for a note that few pixels have most of the error, as they always have in smaller images.
 const MIN_PIXELS_FOR_TAIL_NOTE: u64 = 64;
@@ -135,76 +131,6 @@ impl Render {
     /// [`crate::ErrorKind::InvalidScene`] for settings that make no image, `OutOfMemory` for a film that does not fit.
     pub fn new(scene: &Scene, settings: RenderSettings) -> Result<Self> {
         Self::with_method(scene, settings, None)
-    }
-
-    /// Prepares a render of the irradiance [W m^-2] of sites by path tracing, on the outer side of their surfaces (`front`) or
-    /// on the other side.
-    ///
-    /// The film has one pixel for each site, row by row, and [`IRRADIANCE_WIDTH`] pixels in a row. The pixels that are left
-    /// over in the last row show the first sites once more. The settings for resolution, crop, integrator, filter and auxiliary
-    /// layers are ignored. The depth counts the site itself as the first hit. All samplers other than `Random` count as
-    /// `Sobol`.
-    ///
-    /// # Errors
-    /// The errors of [`Render::new`], and `InvalidScene` where there is no site.
-    pub fn irradiance(scene: &Scene, settings: RenderSettings, sites: Arc<Sites>, front: bool) -> Result<Self> {
-        if sites.is_empty() {
-            return Err(Error::new(ErrorKind::InvalidScene, "there is no surface whose irradiance could be asked for"));
-        }
-        let rows = sites.len().div_ceil(IRRADIANCE_WIDTH as usize);
-        let desc = RenderDesc {
-            resolution: [IRRADIANCE_WIDTH, u32::try_from(rows).unwrap_or(u32::MAX)],
-            crop: None,
-            integrator: IntegratorDesc::Path,
-            filter: FilterDesc::Box,
-            sampler: match settings.desc.sampler {
-                SamplerDesc::Random => SamplerDesc::Random,
-                _ => SamplerDesc::Sobol,
-            },
-            ..settings.desc
-        };
-        let path = Path { max_depth: desc.max_depth, shadow_rays: desc.shadow_rays };
-        let settings = RenderSettings { desc, auxiliary: false, ..settings };
-        Self::with_method(scene, settings, Some(Method::Irradiance(Irradiance::new(sites, path, front))))
-    }
-
-    /// Prepares a render of the light at points of space (see [`Probes`]): by a radiosity solution where the settings'
-    /// integrator is radiosity, and else by path tracing.
-    ///
-    /// The film has one pixel for each point, in one row, or in rows of [`IRRADIANCE_WIDTH`] pixels where the points are many;
-    /// pixels that are left over in the last row show the first points once more. Settings for resolution, crop, filter and
-    /// auxiliary layers are ignored. For irradiance the depth counts the point itself as the first hit. All samplers other
-    /// than `Random` count as `Sobol`.
-    ///
-    /// # Errors
-    /// The errors of [`Render::new`], and `InvalidScene` where there is no point.
-    pub fn probes(scene: &Scene, settings: RenderSettings, probes: &[Probe], quantity: ProbeQuantity) -> Result<Self> {
-        if probes.is_empty() {
-            return Err(Error::new(ErrorKind::InvalidScene, "there is no point whose light could be asked for"));
-        }
-        let width = if probes.len() <= MOST_PROBES_IN_A_ROW { probes.len() } else { IRRADIANCE_WIDTH as usize };
-        let rows = u32::try_from(probes.len().div_ceil(width)).unwrap_or(u32::MAX);
-        let integrator = match settings.desc.integrator {
-            IntegratorDesc::Radiosity => IntegratorDesc::Radiosity,
-            _ => IntegratorDesc::Path,
-        };
-        check_support(scene, integrator)?;
-        let desc = RenderDesc {
-            resolution: [width as u32, rows],
-            crop: None,
-            integrator,
-            filter: FilterDesc::Box,
-            sampler: match settings.desc.sampler {
-                SamplerDesc::Random => SamplerDesc::Random,
-                _ => SamplerDesc::Sobol,
-            },
-            ..settings.desc
-        };
-        let path = Path { max_depth: desc.max_depth, shadow_rays: desc.shadow_rays };
-        // Few points are no image whose pixels could be chosen among, and nobody asked for that.
-        let adaptive = settings.adaptive.or(((probes.len() as u64) < MIN_PIXELS).then_some(false));
-        let settings = RenderSettings { desc, adaptive, auxiliary: false, ..settings };
-        Self::with_method(scene, settings, Some(Method::Probes(Probes::new(scene, probes, quantity, path))))
     }
 
     fn with_method(scene: &Scene, settings: RenderSettings, method: Option<Method>) -> Result<Self> {
@@ -306,82 +232,6 @@ impl Render {
             non_finite_samples: Vec::new(),
             header,
         })
-    }
-
-    /// Prepares a render that goes on from a checkpoint. It comes to the same film as a render that was never interrupted, to the last
-    /// bit.
-    ///
-    /// Scene and settings must be those of the checkpoint. These may differ: the number of samples with the samplers `Sobol` and
-    /// `Random`, the time limit, the target error, threads, and the plan of further checkpoints. `adaptive`, `reuse`, `share` and
-    /// the layers of first hits are those of the checkpoint where the settings leave them open. With more samples than the render was begun with, an adaptive
-    /// render chooses among pixels at other numbers of samples than one that was begun with as many.
-    ///
-    /// [`Summary::rays`] counts those of this render alone, as its time does.
-    ///
-    /// # Errors
-    /// The errors of [`Render::new`], and [`crate::ErrorKind::Unsupported`] for a checkpoint that does not fit, with what differs.
-    pub fn resume(scene: &Scene, settings: RenderSettings, checkpoint: Checkpoint) -> Result<Self> {
-        let Checkpoint { header, film, stage, photons } = checkpoint;
-        let adaptive = settings.adaptive.or(Some(header.adaptive.is_some()));
-        let share = settings.share.or(header.share());
-        let auxiliary = settings.auxiliary || film.options().auxiliary;
-        let mut render = Self::new(scene, RenderSettings { adaptive, share, auxiliary, ..settings })?;
-        Header { reuse: render.reuse(), ..render.header.clone() }.check(&header)?;
-        if let (Some(reuse), Some((sharing, _))) = (header.reuse, render.undecided.clone()) {
-            render.undecided = None;
-            render.method = if reuse { Method::Reuse(sharing) } else { Method::Path };
-        }
-        if let (Some(true), Method::Path) = (header.reuse, &render.method) {
-            // A render of so few samples that no pilot would be made.
-            let path = Path { max_depth: render.desc.max_depth, shadow_rays: render.desc.shadow_rays };
-            render.method = Method::Reuse(PathReuse::new(&render.scene, path));
-        }
-        // Another render may still fill the film of a checkpoint that was not read from a file.
-        render.film = Arc::new(Arc::try_unwrap(film).or_else(|film| Film::copy_of(&film))?);
-        render.stage = stage;
-        if let (Some(plan), Some(state)) = (&mut render.plan, photons) {
-            plan.resume(state);
-        }
-        render.samples = header.samples;
-        let total = Schedule::new(&render.settings, 1, false).total();
-        render.decision = header.decision.min(total);
-        render.earlier_rays = header.rays;
-        render.non_finite = render.film.non_finite();
-        Ok(render)
-    }
-
-    /// Whether pixels share hits; `None` as long as a pilot is to say, and where the render is short and leaves it open.
-    fn reuse(&self) -> Option<bool> {
-        match (&self.method, &self.undecided) {
-            (_, Some(_)) => None,
-            (Method::Reuse(_), None) => Some(true),
-            _ => Some(false),
-        }
-    }
-
-    /// The state of the render at this moment. Its film is that of the render, which goes on filling it.
-    ///
-    /// # Errors
-    /// [`crate::ErrorKind::Unsupported`] for light maps and for light at given points.
-    pub fn checkpoint(&self) -> Result<Checkpoint> {
-        if self.method.is_of_places() {
-            let message = format!("{} has no checkpoints; expected a picture", self.method.place_name());
-            return Err(Error::new(ErrorKind::Unsupported, message));
-        }
-        Ok(self.state())
-    }
-
-    fn state(&self) -> Checkpoint {
-        let header = Header {
-            reuse: self.reuse(),
-            samples: self.samples,
-            decision: self.decision,
-            stage: self.stage.as_ref().map(|stage| stage.span()),
-            rays: self.earlier_rays + self.rays,
-            ..self.header.clone()
-        };
-        let photons = self.plan.as_ref().and_then(Maps::state);
-        Checkpoint { header, film: Arc::clone(&self.film), stage: self.stage.clone(), photons }
     }
 
     /// Renders until all samples are taken, the time limit or the target error is reached, or the caller stops the render.

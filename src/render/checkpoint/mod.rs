@@ -2,6 +2,7 @@
 
 mod file;
 mod header;
+mod resume;
 
 use std::collections::BTreeMap;
 use std::io::{BufReader, Read, Write};

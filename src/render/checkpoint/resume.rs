@@ -1,0 +1,91 @@
+//! Renders that go on from a checkpoint.
+
+use std::sync::Arc;
+
+use super::super::method::Method;
+use super::super::schedule::Schedule;
+use super::super::{Maps, Render, RenderSettings};
+use super::{Checkpoint, Header};
+use crate::error::{Error, ErrorKind, Result};
+use crate::film::Film;
+use crate::integrator::Path;
+use crate::integrator::reuse::PathReuse;
+use crate::scene::Scene;
+
+impl Render {
+    /// Prepares a render that goes on from a checkpoint. It comes to the same film as a render that was never interrupted, to the last
+    /// bit.
+    ///
+    /// Scene and settings must be those of the checkpoint. These may differ: the number of samples with the samplers `Sobol` and
+    /// `Random`, the time limit, the target error, threads, and the plan of further checkpoints. `adaptive`, `reuse`, `share` and
+    /// the layers of first hits are those of the checkpoint where the settings leave them open. With more samples than the render was begun with, an adaptive
+    /// render chooses among pixels at other numbers of samples than one that was begun with as many.
+    ///
+    /// [`Summary::rays`] counts those of this render alone, as its time does.
+    ///
+    /// # Errors
+    /// The errors of [`Render::new`], and [`crate::ErrorKind::Unsupported`] for a checkpoint that does not fit, with what differs.
+    pub fn resume(scene: &Scene, settings: RenderSettings, checkpoint: Checkpoint) -> Result<Self> {
+        let Checkpoint { header, film, stage, photons } = checkpoint;
+        let adaptive = settings.adaptive.or(Some(header.adaptive.is_some()));
+        let share = settings.share.or(header.share());
+        let auxiliary = settings.auxiliary || film.options().auxiliary;
+        let mut render = Self::new(scene, RenderSettings { adaptive, share, auxiliary, ..settings })?;
+        Header { reuse: render.reuse(), ..render.header.clone() }.check(&header)?;
+        if let (Some(reuse), Some((sharing, _))) = (header.reuse, render.undecided.clone()) {
+            render.undecided = None;
+            render.method = if reuse { Method::Reuse(sharing) } else { Method::Path };
+        }
+        if let (Some(true), Method::Path) = (header.reuse, &render.method) {
+            // A render of so few samples that no pilot would be made.
+            let path = Path { max_depth: render.desc.max_depth, shadow_rays: render.desc.shadow_rays };
+            render.method = Method::Reuse(PathReuse::new(&render.scene, path));
+        }
+        // Another render may still fill the film of a checkpoint that was not read from a file.
+        render.film = Arc::new(Arc::try_unwrap(film).or_else(|film| Film::copy_of(&film))?);
+        render.stage = stage;
+        if let (Some(plan), Some(state)) = (&mut render.plan, photons) {
+            plan.resume(state);
+        }
+        render.samples = header.samples;
+        let total = Schedule::new(&render.settings, 1, false).total();
+        render.decision = header.decision.min(total);
+        render.earlier_rays = header.rays;
+        render.non_finite = render.film.non_finite();
+        Ok(render)
+    }
+
+    /// Whether pixels share hits; `None` as long as a pilot is to say, and where the render is short and leaves it open.
+    fn reuse(&self) -> Option<bool> {
+        match (&self.method, &self.undecided) {
+            (_, Some(_)) => None,
+            (Method::Reuse(_), None) => Some(true),
+            _ => Some(false),
+        }
+    }
+
+    /// The state of the render at this moment. Its film is that of the render, which goes on filling it.
+    ///
+    /// # Errors
+    /// [`crate::ErrorKind::Unsupported`] for light maps and for light at given points.
+    pub fn checkpoint(&self) -> Result<Checkpoint> {
+        if self.method.is_of_places() {
+            let message = format!("{} has no checkpoints; expected a picture", self.method.place_name());
+            return Err(Error::new(ErrorKind::Unsupported, message));
+        }
+        Ok(self.state())
+    }
+
+    pub(in super::super) fn state(&self) -> Checkpoint {
+        let header = Header {
+            reuse: self.reuse(),
+            samples: self.samples,
+            decision: self.decision,
+            stage: self.stage.as_ref().map(|stage| stage.span()),
+            rays: self.earlier_rays + self.rays,
+            ..self.header.clone()
+        };
+        let photons = self.plan.as_ref().and_then(Maps::state);
+        Checkpoint { header, film: Arc::clone(&self.film), stage: self.stage.clone(), photons }
+    }
+}
