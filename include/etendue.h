@@ -1965,7 +1965,9 @@ typedef struct etd_render_options {
      */
     uint64_t seed;
     /**
-     * Time limit in seconds, > 0; 0: no limit. One sample per pixel is always taken.
+     * Time limit in seconds, > 0; 0: no limit. It ends the render in the middle of a pass, and of shooting photons for it. One
+     * sample per pixel is always taken, with the photon maps, the irradiance cache or the radiosity solution that it needs; a
+     * render that takes longer than its limit for that logs a warning.
      */
     double time_limit;
     /**

@@ -106,6 +106,7 @@ run_tests() {
     run "$bin/misuse" "$@"
     run "$bin/async" 5
     run "$bin/process"
+    run "$bin/memory"
     run "$bin/materials"
     run "$bin/textures"
     run "$bin/layer"

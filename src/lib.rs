@@ -48,6 +48,7 @@ pub mod output;
 pub mod photometry;
 pub mod render;
 mod replace;
+mod room;
 pub mod sampling;
 pub mod scene;
 pub mod shape;

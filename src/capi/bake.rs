@@ -79,6 +79,8 @@ pub unsafe extern "C" fn etd_atlas_new(
 /// Builds the scene as described now. Returns it with the progress of the work that follows.
 pub(super) fn build(scene: &etd_scene, progress: &HostProgress) -> Result<(Scene, HostProgress)> {
     let (built, time) = scene.build(progress.cancel(), progress.part(0.0, BUILD_FRACTION).build())?;
+    // The last report of a build comes when there is nothing left of it to stop.
+    progress.cancel().check()?;
     let share = if time.is_zero() { 0.0 } else { BUILD_FRACTION };
     Ok((built, progress.part(share, 1.0)))
 }

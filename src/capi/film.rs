@@ -539,7 +539,7 @@ pub unsafe extern "C" fn etd_film_write(
                 attributes,
                 threads: film.device.build_threads,
             };
-            Ok(output::write(&sums.develop(), Path::new(path), &options)?)
+            Ok(output::write(&sums.try_develop()?, Path::new(path), &options)?)
         })
     }
 }

@@ -12,6 +12,7 @@ use super::json::{self, line_of};
 use super::scene_file::scene_from_file;
 use super::{RenderDesc, SceneDesc, gltf, mcrt, native, params, render_keys};
 use crate::control::WorkProgress;
+use crate::room::check_room;
 use crate::{Cancel, Error, ErrorKind, Result};
 
 /// Reads a scene file, and the parameter file if there is one.
@@ -138,6 +139,9 @@ pub fn parse_with(json: &str, base_dir: &Path, file: Option<&Path>, options: &Lo
     options.watch(|work| parse_watched(json, base_dir, file, work))
 }
 
+/// Memory that is asked for before text is read, for each of its bytes. Long lists of short numbers take the most.
+const BYTES_A_CHARACTER: usize = 6;
+
 /// [`parse`], as a part of some work.
 pub(super) fn parse_watched(
     json: &str,
@@ -146,6 +150,7 @@ pub(super) fn parse_watched(
     work: &WorkProgress<'static>,
 ) -> Result<SceneDesc> {
     let json = json.strip_prefix('\u{feff}').unwrap_or(json);
+    check_room(BYTES_A_CHARACTER.saturating_mul(json.len()))?;
     scene(json, base_dir, file, work).map_err(|error| located(error, json, file))
 }
 

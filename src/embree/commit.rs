@@ -12,6 +12,7 @@ use super::scene::{Features, GeometryData, Scene, SceneInner};
 use super::sys;
 use super::user::panic_text;
 use super::width::PacketWidth;
+use crate::room::check_room;
 use crate::{Cancel, Error, ErrorKind, Result};
 
 /// Builds with at least this many primitives run on another thread. Embree does not call the progress monitor at the
@@ -24,6 +25,12 @@ const CANCEL_GRACE: Duration = Duration::from_millis(4);
 
 /// Interval at which the caller of a long build checks for cancellation.
 const POLL_INTERVAL: Duration = Duration::from_millis(1);
+
+/// Memory that a build takes at least for each primitive.
+const BYTES_A_PRIMITIVE: usize = 64;
+
+/// Memory for Embree's tasks. Where they begin without any, TBB waits for ever instead of failing.
+const BYTES_OF_TASKS: usize = 4 << 20;
 
 type ProgressCallback<'a> = &'a (dyn Fn(f64) -> bool + Sync);
 
@@ -97,6 +104,8 @@ fn build(mut inner: SceneInner, monitor: &Arc<BuildMonitor>) -> Result<Scene> {
     let device = Arc::clone(&inner.device);
     let raw = inner.raw;
     let mut bvh_bytes = 0;
+    let primitives: usize = inner.data.iter().map(GeometryData::primitives).sum();
+    check_room(BYTES_A_PRIMITIVE.saturating_mul(primitives).saturating_add(BYTES_OF_TASKS))?;
     device.guarded(&monitor.cancel, || {
         let before = device.memory_bytes();
         // SAFETY: the scene is alive and no other thread has it. `monitor` lives to the end of this function, and the

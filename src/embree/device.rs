@@ -6,6 +6,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use super::{Charge, MemoryBudget, sys};
+use crate::room::check_room;
 use crate::{Cancel, Error, ErrorKind, Result};
 
 /// The oldest supported Embree, in the form of `RTC_VERSION`.
@@ -115,7 +116,7 @@ impl Device {
     /// Opens Embree.
     ///
     /// # Errors
-    /// [`ErrorKind::Device`] if Embree refuses (an unsupported processor, for one), or if the library found at run time
+    /// [`ErrorKind::OutOfMemory`]; [`ErrorKind::Device`] if Embree refuses (an unsupported processor, for one), or if the library found at run time
     /// is older than 4.3, older than the header this crate was built with, or of another major version.
     pub fn new(options: &DeviceOptions) -> Result<Self> {
         let available = std::thread::available_parallelism().map_or(1, |n| n.get());
@@ -130,7 +131,8 @@ impl Device {
         if raw.is_null() {
             // SAFETY: with a null device, Embree returns the error of this thread's failed device creation.
             let code = unsafe { sys::rtcGetDeviceError(raw) };
-            return Err(Error::new(ErrorKind::Device, format!("Embree does not start: {}", describe(code))));
+            let kind = if code == sys::RTC_ERROR_OUT_OF_MEMORY { ErrorKind::OutOfMemory } else { ErrorKind::Device };
+            return Err(Error::new(kind, format!("Embree does not start: {}", describe(code))));
         }
         let limit = options.memory_limit.map_or(isize::MAX, |bytes| isize::try_from(bytes).unwrap_or(isize::MAX));
         let monitor = Box::new(DeviceMonitor {
@@ -193,9 +195,11 @@ impl Device {
         self.inner.monitor.budget.as_ref()
     }
 
-    /// Charges bytes of a scene's geometry to the shared allowance.
+    /// Charges bytes of a scene's geometry to the shared allowance, and fails where the process cannot have as many.
     pub(crate) fn charge(&self, bytes: usize) -> Result<Option<Charge>> {
-        self.budget().map(|budget| budget.try_charge(bytes)).transpose()
+        let charge = self.budget().map(|budget| budget.try_charge(bytes)).transpose()?;
+        check_room(bytes)?;
+        Ok(charge)
     }
 
     /// The most bytes that Embree ever held for this device.

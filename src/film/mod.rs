@@ -27,6 +27,7 @@ use crate::Cancel;
 use crate::desc::MAX_PIXELS;
 use crate::error::{Error, ErrorKind, Result};
 use crate::math::Vec3;
+use crate::room::{check_room, with_room};
 use crate::spectrum::Rgb;
 
 /// Side of the square tiles that a film is divided into.
@@ -168,15 +169,12 @@ impl Film {
                 format!("{} x {} pixels in whole tiles are too many", options.resolution[0], options.resolution[1]);
             return Err(Error::new(ErrorKind::OutOfMemory, message));
         }
-        let mut tiles = Vec::new();
-        tiles.try_reserve_exact(count).map_err(|error| out_of_memory().because(error))?;
+        let mut tiles = with_room(count)?;
         tiles.resize_with(count, Mutex::default);
         // The memory of all tiles is reserved once and released, so that a film that cannot fit is refused now.
         let bytes = size_of::<Pixel>() + if options.auxiliary { size_of::<Auxiliary>() } else { 0 };
         let bytes = bytes + if options.gathering { size_of::<PixelPhotonState>() } else { 0 };
-        Vec::<u8>::new()
-            .try_reserve_exact(count * PIXELS_PER_TILE * bytes)
-            .map_err(|error| out_of_memory().because(error))?;
+        check_room(count * PIXELS_PER_TILE * bytes)?;
         Ok(Self { options, tiles: tiles.into() })
     }
 
@@ -294,6 +292,16 @@ impl Film {
 
     fn pixel_count(&self) -> usize {
         self.options.resolution[0] as usize * self.options.resolution[1] as usize
+    }
+
+    /// The same as [`Film::develop`], with an error where there is no memory for the image.
+    ///
+    /// # Errors
+    /// [`ErrorKind::OutOfMemory`].
+    pub fn try_develop(&self) -> Result<Image> {
+        // All layers that there can be have less than 20 channels. Zeros that are not written take no memory.
+        check_room(20 * size_of::<f32>() * self.pixel_count())?;
+        Ok(self.develop())
     }
 
     /// The current image: means of the samples, black where there are none.
@@ -468,14 +476,9 @@ fn write_pixel(
 }
 
 fn copied<T: Copy>(values: &[T]) -> Result<Vec<T>> {
-    let mut copy = Vec::new();
-    copy.try_reserve_exact(values.len()).map_err(|error| out_of_memory().because(error))?;
+    let mut copy = with_room(values.len())?;
     copy.extend_from_slice(values);
     Ok(copy)
-}
-
-fn out_of_memory() -> Error {
-    Error::new(ErrorKind::OutOfMemory, "no room for the film")
 }
 
 /// Locks a tile, even if a thread panicked while it held the lock: pixels are consistent all the same, as each is

@@ -37,6 +37,7 @@ use std::thread;
 
 use crate::image::{Image, check_image, exr, pfm, png};
 use crate::math::DVec3;
+use crate::room::check_room;
 use crate::spectrum::Primaries;
 use crate::{Error, ErrorKind, Result, replace};
 
@@ -69,6 +70,12 @@ pub struct WriteOptions {
     pub threads: usize,
 }
 
+/// Memory that writing takes for each value of an image: as the file has it, and what it is made from.
+const ENCODED_BYTES: usize = 8;
+
+/// Memory that writing takes besides.
+const ENCODER_BYTES: usize = 1 << 20;
+
 /// Writes `image` to `path` in the format of its extension; an existing file is replaced in one step.
 ///
 /// A PNG has no value for non-finite numbers: NaN becomes black and positive infinity white.
@@ -79,6 +86,9 @@ pub struct WriteOptions {
 pub fn write(image: &Image, path: &Path, options: &WriteOptions) -> Result<()> {
     let format = Format::from_path(path)?;
     check_image(image).map_err(|error| error.in_file(Some(path), 0))?;
+    // The colours in other primaries, the channels apart, blocks of them and what they are compressed to.
+    let values = image.layers.iter().map(|layer| layer.data.len()).sum::<usize>() + image.rgb.len();
+    check_room(ENCODED_BYTES * values + ENCODER_BYTES)?;
     tone::check_exposure(options.exposure)?;
     let threads = match options.threads {
         0 => thread::available_parallelism().map_or(1, usize::from),

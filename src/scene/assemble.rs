@@ -21,6 +21,7 @@ use crate::desc::{MeshDesc, SceneDesc, ShapeDesc};
 use crate::embree::{self, Device, SceneBuilder, SceneOptions, TriangleMesh, VertexBuffer};
 use crate::error::Result;
 use crate::math::{Bounds, DAffine3, DVec3};
+use crate::room::with_room;
 use crate::shape::Triangle;
 
 /// Up to this number of analytic shapes, a list in front of Embree is faster than user geometry inside Embree. The
@@ -165,8 +166,8 @@ impl Assembler<'_, '_> {
     fn loose_triangles(&mut self, lowered: &Lowered) -> Result<()> {
         let count = lowered.triangles.len();
         let charge = self.device.charge(12 * (4 * count + 1))?.map(Arc::new);
-        let mut vertices = Vec::with_capacity(3 * count + 1);
-        let mut parts: Vec<Part> = Vec::with_capacity(count);
+        let mut vertices = with_room(3 * count + 1)?;
+        let mut parts: Vec<Part> = with_room(count)?;
         let mut dropped: HashMap<u32, usize> = HashMap::new();
         let centre = self.centre;
         self.progress.each(count, cost::TEST, |i| {
@@ -185,7 +186,7 @@ impl Assembler<'_, '_> {
         if parts.is_empty() {
             return Ok(());
         }
-        let mut indices = Vec::with_capacity(parts.len());
+        let mut indices = with_room(parts.len())?;
         self.progress.each(parts.len(), 0.0, |i| {
             let i = i as u32;
             indices.push([3 * i, 3 * i + 1, 3 * i + 2]);

@@ -12,6 +12,7 @@ use crate::desc::{HostMesh, MeshDesc};
 use crate::embree::{self, Device, MAX_COORDINATE, SceneBuilder, SceneOptions, TriangleMesh, VertexBuffer};
 use crate::error::{Error, Result};
 use crate::math::{Bounds, DAffine3, DMat3, DVec3, Vec3};
+use crate::room::{filled, with_room};
 use crate::shape::Triangle;
 
 /// Triangles, and the number of triangles that were left out because they had no area.
@@ -101,13 +102,13 @@ pub(super) fn placed(
     let normal_count = if smooth { vertex_count } else { 0 };
     let charge = device.charge(12 * (vertex_count + 1 + triangle_count + normal_count))?;
     // The capacity has one more vertex for the padding.
-    let mut vertices: Vec<[f32; 3]> = Vec::with_capacity(vertex_count + 1);
+    let mut vertices: Vec<[f32; 3]> = with_room(vertex_count + 1)?;
     progress.each(vertex_count, cost::PLACE, |i| {
         vertices.push(transform.transform_point3(mesh.position(i)).as_vec3a().to_array());
     })?;
     let swapped = lower::is_mirrored(transform);
     let mut kept = Kept::new(triangle_count);
-    let mut indices = Vec::with_capacity(triangle_count);
+    let mut indices = with_room(triangle_count)?;
     progress.each(triangle_count, cost::TEST, |i| {
         let [a, b, c] = mesh.triangle(i);
         let corners = if swapped { [a, c, b] } else { [a, b, c] };
@@ -154,7 +155,7 @@ pub(super) fn moving<'a>(
     let (mut steps, mut normals) = (Vec::with_capacity(count), Vec::new());
     for (step, transform) in transforms.iter().enumerate() {
         let mesh = at(step);
-        let mut vertices: Vec<[f32; 3]> = Vec::with_capacity(vertex_count + 1);
+        let mut vertices: Vec<[f32; 3]> = with_room(vertex_count + 1)?;
         progress.each(vertex_count, cost::PLACE, |i| {
             vertices.push(transform.transform_point3(mesh.position(i)).as_vec3a().to_array());
         })?;
@@ -166,7 +167,7 @@ pub(super) fn moving<'a>(
     }
     let swapped = lower::is_mirrored(&transforms[0]);
     let mut kept = Kept::new(triangle_count);
-    let mut indices = Vec::with_capacity(triangle_count);
+    let mut indices = with_room(triangle_count)?;
     progress.each(triangle_count, cost::TEST, |i| {
         let [a, b, c] = first.triangle(i);
         let corners = if swapped { [a, c, b] } else { [a, b, c] };
@@ -215,7 +216,7 @@ fn in_place(
     let indices = match &original {
         None => host.triangles.clone(),
         Some(original) => {
-            let mut indices = Vec::with_capacity(original.len());
+            let mut indices = with_room(original.len())?;
             progress.each(original.len(), 0.0, |i| indices.push(host.triangles.get(original[i] as usize)))?;
             indices.into()
         }
@@ -312,7 +313,7 @@ impl Kept {
 /// Returns a unit normal for each vertex after transforming it by `matrix`, or zero where there is none.
 pub(super) fn unit_normals(mesh: &MeshDesc, matrix: DMat3, progress: &WorkProgress) -> Result<Buffer<[f32; 3]>> {
     let sums = if mesh.has_normals() { None } else { Some(face_means(mesh, progress)?) };
-    let mut normals = Vec::with_capacity(mesh.vertex_count());
+    let mut normals = with_room(mesh.vertex_count())?;
     progress.each(mesh.vertex_count(), cost::PLACE, |vertex| {
         let normal = match &sums {
             Some(sums) => sums[vertex],
@@ -327,7 +328,7 @@ pub(super) fn unit_normals(mesh: &MeshDesc, matrix: DMat3, progress: &WorkProgre
 ///
 /// Source: Thürmer and Wüthrich 1998, "Computing Vertex Normals from Polygonal Facets".
 fn face_means(mesh: &MeshDesc, progress: &WorkProgress) -> Result<Vec<DVec3>> {
-    let mut normals = vec![DVec3::ZERO; mesh.vertex_count()];
+    let mut normals = filled(DVec3::ZERO, mesh.vertex_count())?;
     progress.each(mesh.triangle_count(), cost::NORMAL, |i| {
         let triangle = mesh.triangle(i);
         let corners = triangle.map(|corner| mesh.position(corner as usize));

@@ -6,10 +6,11 @@ use exr::image::{AnyChannel, FlatSamples};
 use half::f16;
 
 use super::texels::{TexelImage, Texels};
+use crate::Result;
 use crate::buffer::{Buffer, Element};
 use crate::image::{encode_exr_channels, encode_png};
 use crate::replace::Target;
-use crate::{Error, ErrorKind, Result};
+use crate::room::with_room;
 
 /// Most threads that compress one image.
 const MAX_THREADS: usize = 8;
@@ -88,9 +89,7 @@ fn channels<T: Element>(
 
 /// A list whose memory is asked for, since images may be large.
 fn reserved<T>(length: usize, values: impl Iterator<Item = T>) -> Result<Vec<T>> {
-    let mut list = Vec::new();
-    list.try_reserve_exact(length)
-        .map_err(|error| Error::new(ErrorKind::OutOfMemory, "no memory is left to write an image").because(error))?;
+    let mut list = with_room(length)?;
     list.extend(values);
     Ok(list)
 }

@@ -16,6 +16,7 @@ use std::collections::BinaryHeap;
 use super::Photon;
 use super::order::order;
 use crate::math::{Vec3, Vec4};
+use crate::room::check_room;
 use crate::spectrum::{Rgb, Spectrum};
 use crate::{Cancel, Result};
 
@@ -175,6 +176,8 @@ impl<C: Spectrum> PhotonMap<C> {
     /// [`crate::ErrorKind::Cancelled`]; [`crate::ErrorKind::Unsupported`] for 2^32 photons or more.
     pub fn build(photons: Vec<Photon<C>>, cancel: &Cancel) -> Result<Self> {
         cancel.check()?;
+        // The photons in order, their places once more, and the numbers by which they are sorted.
+        check_room(photons.len().saturating_mul(size_of::<Photon<C>>() + 64))?;
         let order = order(&photons, BLOCK, cancel)?;
         let blocks = photons.len().div_ceil(BLOCK);
         let mut sorted = Vec::with_capacity(photons.len());

@@ -21,6 +21,7 @@ use crate::control::Parallel;
 use crate::desc::RenderDesc;
 use crate::error::Result;
 use crate::math::{DVec3, Ray, Vec3};
+use crate::room::check_room;
 use crate::sampling::{Sampler as _, SobolSampler};
 use crate::scene::Scene;
 use crate::spectrum::{Rgb, Spectrum};
@@ -167,6 +168,9 @@ pub fn shoot_in<C: Spectrum>(
             photon_tracer.block(first, first.saturating_add(size).min(job.paths))
         })?;
         start += count;
+        // A vector that grows to twice its room has its old items beside the new ones.
+        let photons = shot.photons.len() + shots.iter().map(|block| block.photons.len()).sum::<usize>();
+        check_room(photons.saturating_mul(2 * size_of::<Photon<C>>()))?;
         for block in shots {
             shot.photons.extend_from_slice(&block.photons);
             shot.tally.add(&block.tally);

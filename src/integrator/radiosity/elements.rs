@@ -17,6 +17,7 @@ use super::tessellate::tessellate;
 use super::textured::ElementTextures;
 use crate::error::{Error, ErrorKind, Result};
 use crate::math::{Bounds, DVec3, HitPoint, Vec3};
+use crate::room::check_room;
 use crate::scene::{Body, Scene};
 use crate::shape::Analytic;
 use crate::spectrum::Rgb;
@@ -142,7 +143,10 @@ impl Elements {
         let extent = if bounds.is_empty() { 1.0 } else { (bounds.max - bounds.min).length().max(f64::MIN_POSITIVE) };
         let least = size.unwrap_or(extent / 64.0);
         let mut elements = Self { min_side2: least * least, limit, top: NONE, ..Self::default() };
-        elements.check(2 * scene.face_count() * BYTES_PER_PATCH)?;
+        let bytes = 2 * scene.face_count() * BYTES_PER_PATCH;
+        elements.check(bytes)?;
+        // Vectors that grow have their old items beside the new ones.
+        check_room(bytes.saturating_mul(2))?;
         let albedos: Vec<[DVec3; 2]> = scene.materials().iter().map(|material| mean_albedos(material.mean())).collect();
         elements.textured = ElementTextures::new(scene).map(Box::new);
         let mut welds = Welds::new();

@@ -14,6 +14,7 @@ use crate::control::Parallel;
 use crate::emitter::Emitter;
 use crate::error::Result;
 use crate::math::DVec3;
+use crate::room::check_room;
 use crate::scene::Scene;
 use crate::spectrum::Rgb;
 
@@ -213,7 +214,10 @@ pub(super) fn refine(shared: &SharedHierarchy, pairs: Vec<(u32, u32)>, parallel:
         })?;
         let mut hierarchy = shared.write().unwrap_or_else(PoisonError::into_inner);
         hierarchy.apply(&round, decisions.into_iter().flatten(), &mut waiting);
-        hierarchy.oracle.elements.check(hierarchy.bytes() + 2 * 8 * waiting.len())?;
+        let bytes = hierarchy.bytes() + 2 * 8 * waiting.len();
+        hierarchy.oracle.elements.check(bytes)?;
+        // What grows next may be all there is, and then needs twice its room beside itself.
+        check_room(2 * bytes)?;
     }
     shared.write().unwrap_or_else(PoisonError::into_inner).sort();
     Ok(evaluated)
