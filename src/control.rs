@@ -11,7 +11,11 @@ use crate::{Error, ErrorKind, Result};
 /// A token that asks work to stop, from any thread. All clones of a token share one state. A cancelled token stays
 /// cancelled.
 #[derive(Clone, Debug, Default)]
-pub struct Cancel(Arc<AtomicBool>);
+pub struct Cancel {
+    own: Arc<AtomicBool>,
+    /// The token of which this one is a part.
+    whole: Option<Arc<AtomicBool>>,
+}
 
 impl Cancel {
     /// Makes a token that is not cancelled.
@@ -21,13 +25,19 @@ impl Cancel {
 
     /// Asks all work that holds this token to stop soon.
     pub fn cancel(&self) {
-        self.0.store(true, Ordering::Relaxed);
+        self.own.store(true, Ordering::Relaxed);
+    }
+
+    /// A token for a part of the work: it is cancelled with this one, and may be cancelled alone.
+    pub(crate) fn part(&self) -> Self {
+        debug_assert!(self.whole.is_none(), "a token knows one other");
+        Self { own: Arc::default(), whole: Some(Arc::clone(&self.own)) }
     }
 
     /// Whether the token was cancelled.
     #[inline]
     pub fn is_cancelled(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
+        self.own.load(Ordering::Relaxed) || self.whole.as_ref().is_some_and(|whole| whole.load(Ordering::Relaxed))
     }
 
     /// Returns [`ErrorKind::Cancelled`] once the token was cancelled.

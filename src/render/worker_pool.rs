@@ -39,7 +39,7 @@ impl<'a> WorkerPool<'a> {
         deadline: Option<Instant>,
         callback: &'a mut dyn FnMut(f64) -> bool,
     ) -> Self {
-        let (token, last) = (Cancel::new(), Instant::now());
+        let (token, last) = (cancel.part(), Instant::now());
         Self {
             workers,
             cancel,
