@@ -1230,8 +1230,12 @@ fn a_checkpoint_that_cannot_be_written_is_told() {
     let folder = folder();
     let cornell = scene("cornell.json");
     let state = folder.path().join("state");
-    fs::write(&state, "an older one").unwrap();
-    let args = ["render", &cornell, "--resolution", "16x12", "--spp", "4", "--checkpoint", "state", "-o", "a.png"];
+    let small = ["render", &cornell, "--resolution", "16x12", "--checkpoint", "state", "-q"];
+    etendue(folder.path(), small.into_iter().chain(["--spp", "1"])).assert_done();
+    let old = fs::read(&state).unwrap();
+    // One that is there is not replaced by a render that does not go on from it.
+    etendue(folder.path(), small).assert_refused("state: is there already");
+    let args = small.into_iter().chain(["--spp", "4", "--resume", "state", "-o", "a.png"]);
     // A limit of 16 blocks (8192 bytes) per file stands for a full disk; the checkpoint needs more.
     let outcome = Command::new("sh")
         .arg("-c")
@@ -1244,7 +1248,7 @@ fn a_checkpoint_that_cannot_be_written_is_told() {
     let run = Run::from(outcome);
     assert_eq!(run.code, Some(1), "{}", run.stderr);
     assert!(run.stderr.contains("error: state: cannot write the checkpoint"), "{}", run.stderr);
-    assert_eq!(fs::read_to_string(&state).unwrap(), "an older one");
+    assert!(fs::read(&state).unwrap() == old);
     assert_eq!(names(folder.path()), ["a.png", "state"]);
 }
 

@@ -291,6 +291,12 @@ fn check_outputs(args: &RenderArgs) -> Result<bool, Failure> {
     };
     let mut layers = false;
     if let Some(path) = &args.state.checkpoint {
+        // Hours of rendering must not be lost to a forgotten option.
+        let is_resumed = args.state.resume.as_deref().is_some_and(|resumed| place(resumed) == place(path));
+        if path.exists() && !is_resumed {
+            let message = "is there already, expected another name for the checkpoint, or --resume to go on from it";
+            return Err(Failure::usage(format!("{}: {message}", path.display())));
+        }
         output::check_text_target(path)?;
         check(path)?;
         // The images are made of it later, and some have layers.

@@ -86,6 +86,8 @@ pub struct Plan<C: Spectrum = Rgb> {
     coverage: DiskCoverage,
     /// Maps that have been gathered from already, so that `coverage` may now learn from their photons.
     unlearnt: Vec<Arc<PhotonMap<C>>>,
+    /// The pass after which `coverage` and `unlearnt` are as they are; `None` before the first one.
+    known: Option<u32>,
     made: Option<(u32, Gather<C>)>,
     /// The state to go on from, until the maps of its pass are made again.
     resumed: Option<PlanState>,
@@ -177,6 +179,7 @@ impl<C: Spectrum> Plan<C> {
             narrow_below: narrow_below(radius, distance),
             coverage: DiskCoverage::default(),
             unlearnt: Vec::new(),
+            known: None,
             made: None,
             resumed: None,
             notes: Vec::new(),
@@ -214,11 +217,9 @@ impl<C: Spectrum> Plan<C> {
 
     /// The state from which another plan goes on; `None` before the first maps, and where maps are made only once.
     pub fn state(&self) -> Option<PlanState> {
-        let made = |(pass, _): &(u32, Gather<C>)| {
-            let coverage = self.coverage.clone();
-            PlanState { pass: *pass, radius: self.radius, coverage }
-        };
-        self.made.as_ref().filter(|_| self.is_progressive()).map(made).or_else(|| self.resumed.clone())
+        // While the maps of a pass are made, or after that was cancelled, what is known is that of the pass before.
+        let known = |pass| PlanState { pass, radius: self.radius, coverage: self.coverage.clone() };
+        self.known.filter(|_| self.is_progressive()).map(known).or_else(|| self.resumed.clone())
     }
 
     /// Goes on from a state of a plan with the same settings.
@@ -324,7 +325,7 @@ impl<C: Spectrum> Plan<C> {
         let unlearnt = self.unlearnt(&maps, pass);
         let mut gather = self.gatherer(maps, aims, coverage.clone(), pass, &parallel.token())?;
         complete(self, &mut gather, &mut notes, parallel)?;
-        (self.coverage, self.unlearnt) = (coverage, unlearnt);
+        (self.coverage, self.unlearnt, self.known) = (coverage, unlearnt, Some(pass));
         self.notes.extend(notes);
         Ok(gather)
     }
@@ -349,7 +350,7 @@ impl<C: Spectrum> Plan<C> {
         let maps = build_maps(shot, shrunk, parallel)?;
         let unlearnt = self.unlearnt(&maps, pass);
         let gather = self.gatherer(maps, aims, coverage.clone(), pass, &parallel.token())?;
-        (self.coverage, self.unlearnt) = (coverage, unlearnt);
+        (self.coverage, self.unlearnt, self.known) = (coverage, unlearnt, Some(pass));
         self.notes.extend(notes);
         Ok(gather)
     }

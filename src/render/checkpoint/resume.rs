@@ -18,10 +18,10 @@ impl Render {
     ///
     /// Scene and settings must be those of the checkpoint. These may differ: the number of samples with the samplers `Sobol` and
     /// `Random`, the time limit, the target error, threads, and the plan of further checkpoints. `adaptive`, `reuse`, `share` and
-    /// the layers of first hits are those of the checkpoint where the settings leave them open. With more samples than the render was begun with, an adaptive
-    /// render chooses among pixels at other numbers of samples than one that was begun with as many.
+    /// the layers of first hits are those of the checkpoint where the settings leave them open. With more samples than the render was
+    /// begun with, an adaptive render chooses among pixels at other numbers of samples than one that was begun with as many.
     ///
-    /// [`Summary::rays`] counts those of this render alone, as its time does.
+    /// [`Summary::rays`](crate::render::Summary::rays) counts those of this render alone, as its time does.
     ///
     /// # Errors
     /// The errors of [`Render::new`], and [`crate::ErrorKind::Unsupported`] for a checkpoint that does not fit, with what differs.
@@ -31,13 +31,10 @@ impl Render {
         let share = settings.share.or(header.share());
         let auxiliary = settings.auxiliary || film.options().auxiliary;
         let mut render = Self::new(scene, RenderSettings { adaptive, share, auxiliary, ..settings })?;
-        Header { reuse: render.reuse(), ..render.header.clone() }.check(&header)?;
-        if let (Some(reuse), Some((sharing, _))) = (header.reuse, render.undecided.clone()) {
-            render.undecided = None;
-            render.method = if reuse { Method::Reuse(sharing) } else { Method::Path };
-        }
-        if let (Some(true), Method::Path) = (header.reuse, &render.method) {
-            // A render of so few samples that no pilot would be made.
+        Header { reuse: render.desc.reuse, ..render.header.clone() }.check(&header)?;
+        // What a pilot has said is not asked again.
+        render.undecided = render.undecided.filter(|_| header.reuse.is_none());
+        if header.reuse == Some(true) {
             let path = Path { max_depth: render.desc.max_depth, shadow_rays: render.desc.shadow_rays };
             render.method = Method::Reuse(PathReuse::new(&render.scene, path));
         }
@@ -55,7 +52,7 @@ impl Render {
         Ok(render)
     }
 
-    /// Whether pixels share hits; `None` as long as a pilot is to say, and where the render is short and leaves it open.
+    /// Whether pixels share hits; `None` as long as a pilot is to say.
     fn reuse(&self) -> Option<bool> {
         match (&self.method, &self.undecided) {
             (_, Some(_)) => None,
