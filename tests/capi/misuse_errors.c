@@ -1,4 +1,5 @@
 /* What errors say: the path of the thing that is wrong, and the option, side or buffer. */
+#define _POSIX_C_SOURCE 200809L
 #include <math.h>
 
 #include "misuse.h"
