@@ -6,7 +6,7 @@
 #   scripts/setup.sh          what rendering needs
 #   scripts/setup.sh test     also what the C and C++ hosts are tested with: Clang, CMake, Doxygen, Valgrind; and the
 #                             browser in which reports are opened (a download of 62 MiB, one minute); files of other programs
-#                             that are read (23 MiB)
+#                             that are read (23 MiB); Open MPI, for renders by several machines
 #
 # EMBREE_DIR=/prefix uses an Embree unpacked there and installs none.
 set -eu
@@ -67,13 +67,19 @@ if [ "$purpose" = test ]; then
         { wanted="$wanted assimp-testmodels"; why="$why assimp-testmodels (files of other programs that are read);"; }
     have valgrind || { wanted="$wanted valgrind libc6-dbg"; why="$why valgrind (memory errors of the hosts);"; }
 fi
+# Any MPI will do that is there already.
+mpi_wanted=no
+if [ "$purpose" = test ] && ! { have mpicc && have mpirun; }; then
+    mpi_wanted=yes
+    why="$why openmpi-bin, libopenmpi-dev (renders by several machines);"
+fi
 embree_wanted=no
 if ! embree_ok; then
     [ -z "${EMBREE_DIR:-}" ] || die "EMBREE_DIR=$EMBREE_DIR holds no include/embree4 of version 4.3 or newer"
     embree_wanted=yes
     why="$why libembree-dev >= 4.3 (ray and mesh intersection);"
 fi
-[ -n "$wanted" ] || [ "$embree_wanted" = yes ] || exit 0
+[ -n "$wanted" ] || [ "$embree_wanted" = yes ] || [ "$mpi_wanted" = yes ] || exit 0
 
 have apt-get || die "this machine lacks$why and has no apt-get: install them, or set EMBREE_DIR to an unpacked Embree"
 as_root=""
@@ -87,6 +93,15 @@ say "installing$why this takes about a minute"
 apt() { $as_root env DEBIAN_FRONTEND=noninteractive apt-get -q -y -o DPkg::Lock::Timeout=300 "$@" >"$log" 2>&1 || { cat "$log" >&2; die "apt-get $* failed"; }; }
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
+
+# After Embree, which has brought a newer libhwloc15 to a Debian 12: its companions then are those of the same release.
+install_mpi() {
+    set -- openmpi-bin libopenmpi-dev
+    if ! $as_root apt-get -q -s install --no-install-recommends "$@" >/dev/null 2>&1; then
+        set -- "$@" libhwloc-dev/trixie libhwloc-plugins/trixie
+    fi
+    apt install --no-install-recommends "$@"
+}
 
 $as_root env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=300 update >"$log" 2>&1 || say "apt-get update had errors, going on with the lists there are"
 # shellcheck disable=SC2086
@@ -114,3 +129,4 @@ if [ "$embree_wanted" = yes ]; then
     fi
 fi
 embree_ok || die "libembree-dev was installed, but no header of version 4.3 or newer was found"
+[ "$mpi_wanted" = no ] || install_mpi

@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use etendue::desc::SceneDesc;
 use etendue::output::{self, Attribute, WriteOptions};
 use etendue::render::{Checkpoint, CheckpointPlan, RenderSettings, Summary};
 
@@ -11,21 +10,9 @@ use crate::{Failure, console};
 
 impl CheckpointArgs {
     /// The settings with what these options say. Reads the checkpoint to go on from.
-    pub fn apply(
-        &self,
-        settings: RenderSettings,
-        description: &SceneDesc,
-    ) -> Result<(RenderSettings, Option<Checkpoint>), Failure> {
-        if self.checkpoint.is_none() && self.resume.is_none() {
-            return Ok((settings, None));
-        }
+    pub fn apply(&self, settings: RenderSettings) -> Result<(RenderSettings, Option<Checkpoint>), Failure> {
         let plan = |path: &PathBuf| CheckpointPlan { path: path.clone(), every: self.checkpoint_every };
-        let settings = RenderSettings {
-            checkpoint: self.checkpoint.as_ref().map(plan),
-            share: self.share,
-            fingerprint: Some(description.fingerprint()?),
-            ..settings
-        };
+        let settings = RenderSettings { checkpoint: self.checkpoint.as_ref().map(plan), ..settings };
         let checkpoint = self.resume.as_deref().map(Checkpoint::read).transpose()?;
         Ok((settings, checkpoint))
     }

@@ -23,6 +23,46 @@ use crate::layers::{self, Bands};
 use crate::stats::Stats;
 use crate::{Failure, interrupt};
 
+/// How a picture comes to be rendered: by this process alone, or with others.
+pub trait Runner {
+    /// Whether other processes help, which must render the same scene.
+    const HAS_OTHERS: bool;
+
+    /// Tells the others that the scene has been read.
+    fn has_read(&mut self, description: &SceneDesc) -> Result<(), Failure>;
+
+    /// Renders.
+    fn run(
+        &mut self,
+        render: &mut Render,
+        progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
+    ) -> etendue::Result<Summary>;
+
+    /// Tells the others that a frame is done, and whether it is the last one.
+    fn end_frame(&mut self, is_last: bool);
+}
+
+/// This process alone.
+pub struct Alone;
+
+impl Runner for Alone {
+    const HAS_OTHERS: bool = false;
+
+    fn has_read(&mut self, _description: &SceneDesc) -> Result<(), Failure> {
+        Ok(())
+    }
+
+    fn run(
+        &mut self,
+        render: &mut Render,
+        progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
+    ) -> etendue::Result<Summary> {
+        render.run(progress)
+    }
+
+    fn end_frame(&mut self, _is_last: bool) {}
+}
+
 /// Prints properties of the built scene.
 pub fn info(args: &InfoArgs) -> Result<u8, Failure> {
     let (description, scene) = load(&args.scene, args.params.as_deref(), args.threads)?;
@@ -76,30 +116,47 @@ fn files(scene: &SceneDesc) -> String {
 }
 
 /// Renders and writes; returns [`interrupt::EXIT_CODE`] after a run that was stopped.
-pub fn render(args: &RenderArgs) -> Result<u8, Failure> {
+pub fn render(args: &RenderArgs, runner: &mut impl Runner) -> Result<u8, Failure> {
     // An hour of rendering must not end at a typing error: everything that can be checked in advance is checked now.
     let bands = Bands::of(args)?;
     let layers = check_outputs(args)?;
     interrupt::install()?;
     let began = Instant::now();
     let options = LoadOptions { progress: Some(console::reading_images(args.quiet)), ..args.choices() };
-    let mut description = desc::load_with(&args.scene, args.params.as_deref(), &options)?;
+    let description = desc::load_with(&args.scene, args.params.as_deref(), &options)?;
     description.warnings.iter().for_each(console::warn);
+    runner.has_read(&description)?;
+    let workers = Workers::pool(args.threads)?;
+    for_each_frame(args, description, began, true, |description, scene, number, build_time| {
+        let frame = Frame { number, layers, bands, build_time };
+        let outcome = render_frame(args, description, scene, &workers, &frame, runner);
+        let is_last = !matches!(outcome, Ok(0)) || number == args.frames.map(|frames| frames.last);
+        runner.end_frame(is_last);
+        outcome
+    })
+}
+
+/// Builds the scene as each frame sees it, or once, and does something with it, until that gives another exit code than 0. `began`: when
+/// this began. `speaks`: whether this process is the one that speaks to the user.
+pub fn for_each_frame(
+    args: &RenderArgs,
+    mut description: SceneDesc,
+    mut began: Instant,
+    speaks: bool,
+    mut each: impl FnMut(&SceneDesc, &Scene, Option<u32>, Duration) -> Result<u8, Failure>,
+) -> Result<u8, Failure> {
     if let Some(time) = args.time_at {
         still(&description, "--time-at")?;
         description.set_shutter(ShutterDesc::at(time))?;
     }
-    let workers = Workers::pool(args.threads)?;
     let Some(frames) = args.frames else {
-        let scene = build(&description, args.threads)?;
-        let frame = Frame { number: None, layers, bands, build_time: began.elapsed() };
-        return render_frame(args, &description, &scene, &workers, &frame);
+        let scene = build(&description, args.threads, speaks)?;
+        return each(&description, &scene, None, began.elapsed());
     };
     still(&description, "--frames")?;
     let relative = description.motion.shutter.clone();
     let seed = args.seed.unwrap_or(description.render.seed);
     let mut scene: Option<Scene> = None;
-    let mut began = began;
     for number in frames.first..=frames.last {
         let time = f64::from(number) / args.frame_rate;
         let shutter = ShutterDesc { open: relative.open + time, close: relative.close + time, ..relative.clone() };
@@ -109,18 +166,19 @@ pub fn render(args: &RenderArgs) -> Result<u8, Failure> {
         // What does not move from frame to frame is shared with the frame before.
         let options = BuildOptions { threads: args.threads, ..BuildOptions::default() };
         let built = match &scene {
-            None => build(&description, args.threads)?,
+            None => build(&description, args.threads, speaks)?,
             Some(before) => {
                 let built = before.rebuild(&description, &options)?;
-                built.warnings().iter().for_each(console::warn);
+                if speaks {
+                    built.warnings().iter().for_each(console::warn);
+                }
                 built
             }
         };
-        if !args.quiet {
+        if speaks && !args.quiet {
             console::say(&format!("frame {number}"));
         }
-        let frame = Frame { number: Some(number), layers, bands, build_time: began.elapsed() };
-        let code = render_frame(args, &description, &built, &workers, &frame)?;
+        let code = each(&description, &built, Some(number), began.elapsed())?;
         if code != 0 {
             return Ok(code);
         }
@@ -161,35 +219,44 @@ fn frame_file(path: &Path, number: Option<u32>) -> PathBuf {
     path.with_file_name(format!("{}{number:0digits$}{}", &name[..start], &name[start + digits..]))
 }
 
-/// Renders a scene and writes it; returns [`interrupt::EXIT_CODE`] after a run that was stopped.
-fn render_frame(
-    args: &RenderArgs,
-    description: &SceneDesc,
-    scene: &Scene,
-    workers: &Workers,
-    frame: &Frame,
-) -> Result<u8, Failure> {
-    let Frame { number, layers, bands, build_time } = *frame;
+/// The settings of a render, or of a frame of it.
+pub fn settings(args: &RenderArgs, description: &SceneDesc, is_frame: bool, workers: &Workers) -> RenderSettings {
     let mut desc = args.settings(&description.render);
-    if number.is_some() {
+    if is_frame {
         desc.seed = description.render.seed;
     }
-    if bands.is_some() && !desc.spectral {
-        let message =
-            "--spectral-layers: paths in three channels have no bands of wavelengths, expected --spectral beside it";
-        return Err(Failure::usage(message));
-    }
-    let settings = RenderSettings {
-        desc: desc.clone(),
+    RenderSettings {
+        desc,
         workers: Some(workers.clone()),
         time_limit: args.time,
         target_error: args.target().map(|(_, target)| target),
         error_measure: args.target().map(|(measure, _)| measure).unwrap_or_default(),
         adaptive: args.adaptive.map(|switch| switch == Switch::On),
-        auxiliary: layers,
+        share: args.state.share,
         ..RenderSettings::default()
-    };
-    let (settings, resumed) = args.state.apply(settings, description)?;
+    }
+}
+
+/// Renders a scene and writes it; returns [`interrupt::EXIT_CODE`] after a run that was stopped.
+fn render_frame<R: Runner>(
+    args: &RenderArgs,
+    description: &SceneDesc,
+    scene: &Scene,
+    workers: &Workers,
+    frame: &Frame,
+    runner: &mut R,
+) -> Result<u8, Failure> {
+    let Frame { number, layers, bands, build_time } = *frame;
+    let settings = settings(args, description, number.is_some(), workers);
+    let desc = settings.desc.clone();
+    if bands.is_some() && !desc.spectral {
+        let message =
+            "--spectral-layers: paths in three channels have no bands of wavelengths, expected --spectral beside it";
+        return Err(Failure::usage(message));
+    }
+    let wants_fingerprint = R::HAS_OTHERS || args.state.checkpoint.is_some() || args.state.resume.is_some();
+    let fingerprint = wants_fingerprint.then(|| description.fingerprint()).transpose()?;
+    let (settings, resumed) = args.state.apply(RenderSettings { auxiliary: layers, fingerprint, ..settings })?;
     let mut render = match resumed {
         None => Render::new(scene, settings.clone())?,
         Some(checkpoint) => {
@@ -208,19 +275,14 @@ fn render_frame(
     let mut failure = None;
     let summary = {
         let bar = Bar::new(args.quiet);
-        render
-            .run(&mut |progress| {
-                bar.show(progress.fraction, status(progress));
-                if let (true, Some(image)) = (args.progressive, progress.image) {
-                    failure = write(&image(), progress.samples_done, Vec::new()).err();
-                }
-                if failure.is_some() || interrupt::requested() {
-                    ControlFlow::Break(())
-                } else {
-                    ControlFlow::Continue(())
-                }
-            })
-            .map_err(Failure::running)?
+        let mut report = |progress: &Progress| {
+            bar.show(progress.fraction, status(progress));
+            if let (true, Some(image)) = (args.progressive, progress.image) {
+                failure = write(&image(), progress.samples_done, Vec::new()).err();
+            }
+            if failure.is_some() || interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        runner.run(&mut render, &mut report).map_err(Failure::running)?
     };
     if let Some(failure) = failure {
         return Err(failure);
@@ -263,14 +325,16 @@ fn load_with(
 ) -> Result<(SceneDesc, Scene), Failure> {
     let description = desc::load_with(scene, params, options)?;
     description.warnings.iter().for_each(console::warn);
-    let scene = build(&description, threads)?;
+    let scene = build(&description, threads, true)?;
     Ok((description, scene))
 }
 
-/// Builds a scene, and prints its warnings.
-fn build(description: &SceneDesc, threads: usize) -> Result<Scene, Failure> {
+/// Builds a scene, and prints its warnings where this process speaks to the user.
+fn build(description: &SceneDesc, threads: usize, speaks: bool) -> Result<Scene, Failure> {
     let scene = Scene::build(description, &BuildOptions { threads, ..BuildOptions::default() })?;
-    scene.warnings().iter().for_each(console::warn);
+    if speaks {
+        scene.warnings().iter().for_each(console::warn);
+    }
     Ok(scene)
 }
 

@@ -45,7 +45,7 @@ pub(super) trait AsBytes: Sized {
 
 impl FilmOptions {
     /// Number of bytes of a pixel with all that the film keeps for it.
-    fn bytes_of_a_pixel(&self) -> usize {
+    pub(crate) fn bytes_of_a_pixel(&self) -> usize {
         PIXEL + if self.auxiliary { AUXILIARY } else { 0 } + if self.gathering { PHOTONS } else { 0 }
     }
 }
@@ -61,6 +61,19 @@ impl Film {
     pub(crate) fn tile_bytes(&self, tile: usize) -> usize {
         let [width, height] = self.tile_size(tile);
         width as usize * height as usize * self.options.bytes_of_a_pixel()
+    }
+
+    /// Indices in the film, row by row, of the pixels of a tile that lie in the image.
+    pub(crate) fn pixels_of_tile(&self, tile: usize) -> impl Iterator<Item = usize> + use<> {
+        let [width, height] = self.tile_size(tile);
+        let [left, top] = self.tile_origin(tile);
+        let columns = self.options.resolution[0];
+        (0..height).flat_map(move |y| (0..width).map(move |x| ((top + y) * columns + left + x) as usize))
+    }
+
+    /// Gives the memory of a tile back. It has no samples afterwards.
+    pub(crate) fn forget_tile(&self, tile: usize) {
+        *super::lock(&self.tiles[tile]) = super::Tile::default();
     }
 
     /// Indices in the tile of the pixels that lie in the image, row by row.

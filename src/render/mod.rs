@@ -15,6 +15,7 @@
 
 mod adaptive;
 mod checkpoint;
+mod crew;
 mod maps;
 mod method;
 mod order;
@@ -38,6 +39,7 @@ use std::time::{Duration, Instant};
 
 use crate::Cancel;
 use crate::camera::{Camera, MovingCamera};
+use crate::control::PROGRESS_INTERVAL;
 use crate::desc::{Bias, FilterDesc, IntegratorDesc, Preparation, RenderDesc, SamplerDesc};
 use crate::error::{Error, ErrorKind, Result};
 use crate::film::{ErrorEstimate, ErrorMeasure, Film, FilmOptions, Image, Placement};
@@ -60,6 +62,7 @@ use sharing::{Found, Sharing, pilot};
 use worker_pool::WorkerPool;
 
 pub use checkpoint::{Checkpoint, CheckpointPlan};
+pub use crew::{Crew, Event, Link, help};
 pub use places::IRRADIANCE_WIDTH;
 pub use replay::NonFiniteSample;
 pub use report::{Ended, Progress, Summary};
@@ -243,12 +246,38 @@ impl Render {
     /// # Errors
     /// [`crate::ErrorKind::Internal`] if a worker or a shape's intersection test panicked.
     pub fn run(&mut self, progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>) -> Result<Summary> {
+        self.run_by(None, progress)
+    }
+
+    /// [`Render::run`], with the help of other processes. The film has the same bits, except where time ends the render. With a crew,
+    /// samples per pixel are added in larger passes, so that progress reports with images come less often.
+    ///
+    /// # Errors
+    /// As for [`Render::run`]; [`ErrorKind::Unsupported`] for light maps and for light at given points. A helper that is lost or cannot
+    /// help is no error, but a note of the summary.
+    pub fn run_with(
+        &mut self,
+        crew: &mut Crew,
+        progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
+    ) -> Result<Summary> {
+        crew.begin(&self.checkpoint()?, self.workers.threads())?;
+        self.run_by(Some(crew), progress)
+    }
+
+    fn run_by(
+        &mut self,
+        mut crew: Option<&mut Crew>,
+        progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
+    ) -> Result<Summary> {
         let start = Instant::now();
         let is_first_run = self.samples == 0;
         let mut passes = 0;
         let mut schedule = Schedule::new(&self.settings, self.film.options().share, self.adaptive == Ok(true));
         if self.wants_solution() {
             schedule.preparation = SOLUTION_FRACTION;
+        }
+        if crew.is_some() {
+            schedule.send_pixels(self.film.options());
         }
         let mut keeper = self.settings.checkpoint.clone().map(Keeper::new);
         let ended = loop {
@@ -265,14 +294,22 @@ impl Render {
                 break Ended::Cancelled;
             }
             let mut count = schedule.next_pass(self.samples, start.elapsed(), self.decision);
-            if let Some(ended) = self.prepare(&schedule, start, progress)? {
-                break ended;
-            }
             if let Some(samples) = self.plan.as_ref().and_then(Maps::samples_a_pass) {
                 // A pass ends where the next photon maps are needed.
                 count = count.min(samples - self.samples % samples);
             }
-            if let Some(ended) = self.pass(count, &schedule, start, keeper.as_mut(), progress)? {
+            // All prepare it at the same time, but for what a pilot says.
+            let asks_pilot = self.undecided.is_some();
+            if let Some(crew) = crew.as_deref_mut().filter(|_| !asks_pilot) {
+                crew.begin_pass(self.samples, self.samples + count, self.reuse());
+            }
+            if let Some(ended) = self.prepare(&schedule, start, progress)? {
+                break ended;
+            }
+            if let Some(crew) = crew.as_deref_mut().filter(|_| asks_pilot) {
+                crew.begin_pass(self.samples, self.samples + count, self.reuse());
+            }
+            if let Some(ended) = self.pass(count, &schedule, start, keeper.as_mut(), crew.as_deref_mut(), progress)? {
                 break ended;
             }
             self.samples += count;
@@ -296,6 +333,7 @@ impl Render {
             keeper.keep(|| self.state(), true);
         }
         let mut summary = self.summary(start.elapsed(), ended);
+        summary.notes.extend(crew.into_iter().flat_map(|crew| crew.end_run()));
         summary.checkpoint_failure = keeper.and_then(|keeper| keeper.failure).map(|error| error.to_string());
         if ended == Ended::Time && is_first_run && passes == 1 && self.samples == 1 {
             summary.notes.push(
@@ -443,6 +481,7 @@ impl Render {
         schedule: &Schedule,
         start: Instant,
         mut keeper: Option<&mut Keeper>,
+        mut crew: Option<&mut Crew>,
         progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
     ) -> Result<Option<Ended>> {
         // The time limit does not apply before every pixel has one sample.
@@ -454,8 +493,17 @@ impl Render {
         pass.tiles = Tiles::of(&self.film, self.settings.share);
         let (samples, rays_before) = (self.samples, self.rays);
         let (state, earlier_rays) = (keeper.is_some().then(|| self.state()), self.earlier_rays);
+        pass.is_shared = crew.is_some();
         let mut is_stopped_by_callback = false;
+        let mut last = Instant::now();
         let pass = self.workers.run(pass, &mut |pass| {
+            if let Some(crew) = &mut crew {
+                crew.serve(pass);
+                if last.elapsed() < PROGRESS_INTERVAL {
+                    return;
+                }
+                last = Instant::now();
+            }
             let done = f64::from(samples) + pass.fraction() * f64::from(count);
             let rays = rays_before + pass.rays.load(Ordering::Relaxed);
             let report = schedule.progress(samples, done, rays, start.elapsed(), None);
@@ -475,6 +523,15 @@ impl Render {
             Pass::replay(input.clone(), pixel, sample, limit)
         });
         self.non_finite_samples.extend(explained);
+        if let Some(crew) = crew {
+            crew.end_pass();
+            self.non_finite = self.film.non_finite();
+            if !pass.is_complete() && !pass.is_stopped() {
+                // Some of the tiles were with helpers that were lost. Those that are complete take no time.
+                crew.begin_pass(self.samples, self.samples + count, self.reuse());
+                return self.pass(count, schedule, start, keeper, Some(crew), progress);
+            }
+        }
         if pass.is_complete() {
             return Ok(None);
         }

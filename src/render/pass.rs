@@ -3,7 +3,7 @@
 use std::marker::PhantomData;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use super::method::Method;
 use super::order::{Order, TilePlace, Wanted};
@@ -12,6 +12,7 @@ use super::share::Tiles;
 use super::workers::SharedWork;
 use crate::Cancel;
 use crate::camera::{Camera, MovingCamera};
+use crate::control::PROGRESS_INTERVAL;
 use crate::desc::{RenderDesc, SamplerDesc};
 use crate::film::{Film, PixelPhotonState, PixelSample, REPLICATES, TILE};
 use crate::integrator::reuse::GROUP;
@@ -67,6 +68,11 @@ pub(super) struct Pass {
     /// Place among these of the tile that a worker takes next.
     next: AtomicUsize,
     tiles_done: AtomicUsize,
+    /// Number of tiles that other processes have, and of those that they had and have not brought.
+    pub out: AtomicUsize,
+    pub abandoned: AtomicUsize,
+    /// Whether other processes take a part in it.
+    pub is_shared: bool,
     /// The only sample of the pass, where the pass is a replay.
     replay: Option<Replay>,
 }
@@ -400,7 +406,12 @@ impl SharedWork for Pass {
     }
 
     fn is_done(&self) -> bool {
-        self.is_complete() || self.is_stopped()
+        let ended = self.tiles_done.load(Ordering::Acquire) + self.abandoned.load(Ordering::Acquire);
+        self.out.load(Ordering::Acquire) == 0 && (ended == self.tiles.count() || self.is_stopped())
+    }
+
+    fn poll_interval(&self) -> Duration {
+        if self.is_shared { Duration::from_millis(1) } else { PROGRESS_INTERVAL }
     }
 
     fn abandon(&self) {
@@ -427,6 +438,9 @@ impl Pass {
             non_finite: Mutex::default(),
             next: AtomicUsize::new(0),
             tiles_done: AtomicUsize::new(0),
+            out: AtomicUsize::new(0),
+            abandoned: AtomicUsize::new(0),
+            is_shared: false,
             replay: None,
         }
     }
@@ -441,8 +455,43 @@ impl Pass {
         self.tiles_done.load(Ordering::Relaxed) as f64 / self.tiles.count().max(1) as f64
     }
 
+    /// The film that is filled.
+    pub(super) fn film(&self) -> &Arc<Film> {
+        &self.input.film
+    }
+
+    /// The next tile, which nobody has taken before.
     #[inline]
-    fn is_stopped(&self) -> bool {
+    pub(super) fn claim(&self) -> Option<usize> {
+        self.tiles.get(self.next.fetch_add(1, Ordering::Relaxed))
+    }
+
+    /// Number of tiles that nobody has taken.
+    pub(super) fn left(&self) -> usize {
+        self.tiles.count().saturating_sub(self.next.load(Ordering::Relaxed))
+    }
+
+    /// Counts what another process has brought: complete tiles, rays, and samples that were not finite (index, row, column).
+    pub(super) fn count_done(&self, tiles: usize, rays: u64, first: &[(u32, u32, u32)]) {
+        self.tiles_done.fetch_add(tiles, Ordering::Release);
+        self.rays.fetch_add(rays, Ordering::Relaxed);
+        first.iter().for_each(|&(sample, y, x)| self.record_non_finite([x, y], sample));
+    }
+
+    /// Index, row and column of the first samples that were not finite.
+    pub(super) fn first_non_finite(&self) -> Vec<(u32, u32, u32)> {
+        self.non_finite.lock().unwrap_or_else(PoisonError::into_inner).first()
+    }
+
+    /// Stops the pass at its deadline.
+    pub(super) fn check_time(&self) {
+        if self.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+            self.abandon();
+        }
+    }
+
+    #[inline]
+    pub(super) fn is_stopped(&self) -> bool {
         self.stop.load(Ordering::Relaxed) || self.cancel.is_cancelled()
     }
 
@@ -521,7 +570,7 @@ impl Pass {
             if pause() {
                 return false;
             }
-            let Some(number) = self.tiles.get(self.next.fetch_add(1, Ordering::Relaxed)) else { return true };
+            let Some(number) = self.claim() else { return true };
             let mut tracer = PassTracer::new(self);
             let is_complete = self.tile(measurement, &mut batch, number, &mut tracer, pause);
             self.rays.fetch_add(tracer.rays, Ordering::Relaxed);
@@ -568,9 +617,7 @@ impl Pass {
             _ => Order::of_groups(place, self.input.desc.seed),
         };
         loop {
-            if self.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
-                self.abandon();
-            }
+            self.check_time();
             // The calling thread reports progress in `pause`. A worker completes its tile even where `pause` returns true.
             pause();
             batch.jobs.clear();

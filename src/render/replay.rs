@@ -63,6 +63,11 @@ impl NonFiniteSamples {
         }
     }
 
+    /// The first few samples: index, row and column.
+    pub(super) fn first(&self) -> Vec<(u32, u32, u32)> {
+        self.first.iter().copied().collect()
+    }
+
     /// Replays the first samples and describes them, as many as may be reported beside the `known` samples of earlier passes.
     /// `replay` takes a sample of a pixel once more, up to the ray with the given number.
     pub(super) fn explain(

@@ -7,7 +7,7 @@ use super::adaptive::PILOT;
 use super::report::{Ended, Progress};
 use super::settings::RenderSettings;
 use crate::desc::SamplerDesc;
-use crate::film::{ErrorEstimate, ErrorMeasure, FEW_PIXELS, Image, REPLICATES};
+use crate::film::{ErrorEstimate, ErrorMeasure, FEW_PIXELS, FilmOptions, Image, REPLICATES};
 use crate::sampling::square_side;
 
 /// Greatest number of samples per pixel of a render, which is also the greatest number in a description. Indices of samples
@@ -16,6 +16,10 @@ pub const MOST_SAMPLES: u32 = 1 << 31;
 
 /// Longest time that a pass is planned to take, so that viewers see new images often.
 const LONGEST_PASS: Duration = Duration::from_millis(500);
+
+/// Bytes that a network carries in a second (10 Gbit), and how many times as long as all pixels travel a pass is planned to take.
+const BYTES_A_SECOND: f64 = 1.25e9;
+const SENDING: f64 = 20.0;
 
 /// Smallest number of samples per pixel with which an error estimate may end a render: four for each replicate.
 const MIN_SAMPLES_FOR_ERROR: u32 = 32;
@@ -53,6 +57,8 @@ pub(super) struct Schedule {
     pub(super) preparation: f64,
     /// Fraction of that preparation that is done.
     pub(super) prepared: Cell<f64>,
+    /// Longest time that a pass is planned to take.
+    longest_pass: Duration,
     /// The largest fraction that was reported. Reported fractions never fall, although the expected number of samples may
     /// rise.
     reported: Cell<f64>,
@@ -75,8 +81,16 @@ impl Schedule {
             expected: None,
             preparation: 0.0,
             prepared: Cell::new(0.0),
+            longest_pass: LONGEST_PASS,
             reported: Cell::new(0.0),
         }
+    }
+
+    /// Plans passes that are long beside the time that all pixels take to other processes and back.
+    pub(super) fn send_pixels(&mut self, film: &FilmOptions) {
+        let pixels: f64 = film.resolution.map(f64::from).iter().product();
+        let there_and_back = 2.0 * pixels * film.bytes_of_a_pixel() as f64 / BYTES_A_SECOND;
+        self.longest_pass += Duration::from_secs_f64(SENDING * there_and_back);
     }
 
     /// Greatest number of samples per pixel.
@@ -140,7 +154,10 @@ impl Schedule {
         let affordable = if done == 0 || elapsed.is_zero() {
             1.0
         } else {
-            f64::from(done) * LONGEST_PASS.as_secs_f64() / elapsed.as_secs_f64()
+            // A pass that the time limit would cut leaves pixels with different numbers of samples.
+            let left = self.time_limit.map_or(Duration::MAX, |limit| limit.saturating_sub(elapsed) / 2);
+            let longest = self.longest_pass.min(left.max(LONGEST_PASS));
+            f64::from(done) * longest.as_secs_f64() / elapsed.as_secs_f64()
         };
         (affordable as u32).clamp(1, done.max(1)).min(decision - done)
     }

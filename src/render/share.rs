@@ -6,7 +6,7 @@ use crate::{Error, Result};
 /// One of several parts of a render, each of which may be rendered by a process of its own, on any machine. All parts together are
 /// the whole picture, to the last bit (see [`Checkpoint::merge`](super::Checkpoint::merge)).
 ///
-/// A part has every so many tiles of the picture, with all of their samples. What is prepared before the first sample, such as photon
+/// A part has tiles that are spread over the picture, with all of their samples. What is prepared before the first sample, such as photon
 /// maps, each part prepares for itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Share {
@@ -44,50 +44,60 @@ impl Share {
 }
 
 /// The tiles that a pass takes, in their order.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Tiles {
-    /// Number of tiles of the film.
-    all: usize,
-    /// Number of tiles that are taken, the first place among all, and the way from one to the next.
-    count: usize,
-    first: usize,
-    step: usize,
+#[derive(Clone, Debug)]
+pub(super) enum Tiles {
+    /// `count` of `all` tiles of the film, from the first on, with the way from one to the next.
+    Steps {
+        all: usize,
+        count: usize,
+        first: usize,
+        step: usize,
+    },
+    List(Vec<usize>),
 }
 
 impl Tiles {
     /// All tiles of a film, row by row, or those of a part.
     pub fn of(film: &Film, share: Option<Share>) -> Self {
         let all = film.tile_count();
-        let Some(Share { number, count }) = share else { return Self { all, count: all, first: 0, step: 1 } };
-        let (index, count) = (number as usize - 1, count as usize);
-        let stride = stride(all);
-        Self {
-            all,
-            count: all.saturating_sub(index).div_ceil(count),
-            first: index * stride % all.max(1),
-            step: count * stride % all.max(1),
-        }
+        let Some(Share { number, count }) = share else { return Self::Steps { all, count: all, first: 0, step: 1 } };
+        let (number, count) = (number as usize, count as usize);
+        // The part has some consecutive steps of the way through all tiles.
+        let [begin, end] = [number - 1, number].map(|number| number * all / count);
+        let step = stride(all);
+        Self::Steps { all, count: end - begin, first: begin * step % all.max(1), step }
+    }
+
+    /// These tiles of a film.
+    pub fn list(tiles: Vec<usize>) -> Self {
+        Self::List(tiles)
     }
 
     /// One tile only.
     pub fn single(film: &Film, tile: usize) -> Self {
-        Self { all: film.tile_count(), count: 1, first: tile, step: 1 }
+        Self::Steps { all: film.tile_count(), count: 1, first: tile, step: 1 }
     }
 
     /// How many tiles there are.
     pub fn count(&self) -> usize {
-        self.count
+        match self {
+            Self::Steps { count, .. } => *count,
+            Self::List(tiles) => tiles.len(),
+        }
     }
 
     /// The tile with this place in the order; `None` after the last.
     #[inline]
     pub fn get(&self, place: usize) -> Option<usize> {
-        (place < self.count).then(|| (self.first + place * self.step) % self.all)
+        match self {
+            Self::Steps { all, count, first, step } => (place < *count).then(|| (first + place * step) % all),
+            Self::List(tiles) => tiles.get(place).copied(),
+        }
     }
 }
 
 /// A step by which all of `all` tiles are visited, consecutive ones far from each other: no common factor, and about the golden
-/// section. Parts are every so many of the tiles in this order, so that what is slow in the picture is spread over the parts.
+/// section. Any run of consecutive steps is spread evenly (Weyl 1916), so that what is slow in the picture is spread over the parts.
 fn stride(all: usize) -> usize {
     let golden = (all as f64 * 0.618_033_988_749_895) as usize;
     (golden.max(1)..=all.max(1)).find(|step| gcd(*step, all) == 1).unwrap_or(1)

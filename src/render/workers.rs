@@ -116,7 +116,7 @@ impl Workers {
     }
 
     /// Does the work on all threads and returns once it is done. `poll` is called on the calling thread about every
-    /// [`PROGRESS_INTERVAL`].
+    /// [`SharedWork::poll_interval`].
     ///
     /// # Errors
     /// [`ErrorKind::Internal`] if the work panicked, [`ErrorKind::Unsupported`] for a pool of the process that this one was
@@ -174,6 +174,11 @@ pub(super) trait SharedWork: Send + Sync + 'static {
 
     /// Greatest number of threads that the work can occupy.
     fn shares(&self) -> usize;
+
+    /// Time between two calls of `poll`.
+    fn poll_interval(&self) -> Duration {
+        PROGRESS_INTERVAL
+    }
 }
 
 /// A piece of work under way, and the threads that work on it.
@@ -225,7 +230,7 @@ impl<W: SharedWork> RunningJob<W> {
         let mut last = Instant::now();
         let outcome = catch_unwind(AssertUnwindSafe(|| {
             work.take(&mut || {
-                if last.elapsed() >= PROGRESS_INTERVAL {
+                if last.elapsed() >= work.poll_interval() {
                     poll(work);
                     last = Instant::now();
                 }
@@ -243,8 +248,9 @@ impl<W: SharedWork> RunningJob<W> {
         let mut state = lock(&self.state);
         let mut last = Instant::now();
         while state.helpers > 0 || !work.is_done() {
-            state = self.changed.wait_timeout(state, PROGRESS_INTERVAL).unwrap_or_else(PoisonError::into_inner).0;
-            if last.elapsed() >= PROGRESS_INTERVAL && !work.is_done() {
+            let interval = work.poll_interval();
+            state = self.changed.wait_timeout(state, interval).unwrap_or_else(PoisonError::into_inner).0;
+            if last.elapsed() >= interval && !work.is_done() {
                 drop(state);
                 poll(work);
                 last = Instant::now();

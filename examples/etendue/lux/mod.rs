@@ -224,7 +224,7 @@ fn notes(result: &LuxResult) {
 
 fn write(args: &LuxArgs, result: &LuxResult, path: &Path) -> Result<(), String> {
     let said = |error: etendue::Error| error.to_string();
-    match kind(path).map_err(|failure| failure.message)? {
+    match kind(path).map_err(|failure| failure.to_string())? {
         FileKind::Csv => output::write_text(&table::csv(result), path).map_err(said),
         FileKind::Json => output::write_text(&table::json(args, result), path).map_err(said),
         FileKind::Png => {

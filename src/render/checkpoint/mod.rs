@@ -118,6 +118,12 @@ impl Checkpoint {
         Self { header: Header { rays, ..self.header.clone() }, ..self.clone() }
     }
 
+    /// The same state of a film without samples: what further samples depend on besides those before them in their pixel.
+    pub(super) fn without_samples(&self) -> Result<Self> {
+        let header = Header { stage: None, ..self.header.clone() };
+        Ok(Self { header, film: Film::new(*self.film.options())?.into(), stage: None, photons: self.photons.clone() })
+    }
+
     /// The film.
     pub fn film(&self) -> &Arc<Film> {
         &self.film

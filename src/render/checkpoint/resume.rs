@@ -32,12 +32,7 @@ impl Render {
         let auxiliary = settings.auxiliary || film.options().auxiliary;
         let mut render = Self::new(scene, RenderSettings { adaptive, share, auxiliary, ..settings })?;
         Header { reuse: render.desc.reuse, ..render.header.clone() }.check(&header)?;
-        // What a pilot has said is not asked again.
-        render.undecided = render.undecided.filter(|_| header.reuse.is_none());
-        if header.reuse == Some(true) {
-            let path = Path { max_depth: render.desc.max_depth, shadow_rays: render.desc.shadow_rays };
-            render.method = Method::Reuse(PathReuse::new(&render.scene, path));
-        }
+        render.set_reuse(header.reuse);
         // Another render may still fill the film of a checkpoint that was not read from a file.
         render.film = Arc::new(Arc::try_unwrap(film).or_else(|film| Film::copy_of(&film))?);
         render.stage = stage;
@@ -52,8 +47,18 @@ impl Render {
         Ok(render)
     }
 
+    /// Takes what a pilot has said, if it has, so that it is not asked again.
+    pub(in super::super) fn set_reuse(&mut self, reuse: Option<bool>) {
+        if reuse.is_some() && self.reuse() != reuse {
+            let path = Path { max_depth: self.desc.max_depth, shadow_rays: self.desc.shadow_rays };
+            self.undecided = None;
+            self.method =
+                if reuse == Some(true) { Method::Reuse(PathReuse::new(&self.scene, path)) } else { Method::Path };
+        }
+    }
+
     /// Whether pixels share hits; `None` as long as a pilot is to say.
-    fn reuse(&self) -> Option<bool> {
+    pub(in super::super) fn reuse(&self) -> Option<bool> {
         match (&self.method, &self.undecided) {
             (_, Some(_)) => None,
             (Method::Reuse(_), None) => Some(true),
