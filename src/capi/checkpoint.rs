@@ -8,7 +8,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::boundary::{boundary, give, items, need, on, read_sized, share, text};
+use super::boundary::{Object, boundary, give, items, need, on, read_sized, share, text};
 use super::device::etd_device;
 use super::film::{FIRST_HIT, charge, check_layers, etd_film};
 use super::read::in_options;
@@ -331,7 +331,13 @@ pub unsafe extern "C" fn etd_film_merge(
     count: usize,
     out_film: *mut *mut etd_film,
 ) -> etd_status {
-    boundary(None, || {
+    // Where there is a film, it hears of a failure, and so does the host.
+    let first = match (need(films, "films"), count) {
+        // SAFETY: the caller keeps this function's contract.
+        (Ok(()), 1..) => unsafe { share(films.read().cast_const()) }.ok(),
+        _ => None,
+    };
+    boundary(first.as_deref().map(Object::header), || {
         need(films, "films")?;
         need(out_film, "out_film")?;
         // SAFETY: the caller keeps this function's contract.

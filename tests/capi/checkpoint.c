@@ -548,8 +548,10 @@ static void pass_wrong_parts(etd_device *device, etd_scene *scene) {
     CHECK_STATUS(etd_film_merge(NULL, 3, &out), ETD_INVALID_ARGUMENT);
     CHECK_STATUS(etd_film_merge(parts, 3, NULL), ETD_INVALID_ARGUMENT);
     CHECK_STATUS(etd_film_merge(parts, (size_t)-1, &out), ETD_INVALID_ARGUMENT);
+    etd_film_status(parts[0], NULL, 0);
     CHECK_STATUS(etd_film_merge(parts, 2, &out), ETD_INVALID_ARGUMENT);
     CHECK(message_has("of 3 shares, these are missing: 3"));
+    CHECK_STATUS(etd_film_status(parts[0], NULL, 0), ETD_INVALID_ARGUMENT);
     CHECK_STATUS(etd_film_merge(parts, 4, &out), ETD_INVALID_ARGUMENT);
     CHECK(message_has("all of the picture"));
     list[0] = list[1] = parts[0];
