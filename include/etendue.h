@@ -81,7 +81,7 @@
      NULL, NULL, NULL, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, ETD_PHOTON_KERNEL_DEFAULT, 0, ETD_PHOTON_SHARING_POWER, \
      ETD_SWITCH_DEFAULT, ETD_SWITCH_DEFAULT, 0, 0, 0, ETD_CACHE_SOURCE_PATHS, ETD_SWITCH_DEFAULT, ETD_ERROR_RELMSE, ETD_SWITCH_DEFAULT, \
      0, 0, 0, 0, ETD_RADIOSITY_SOLVER_GATHER, ETD_SWITCH_DEFAULT, ETD_SWITCH_DEFAULT, 0, \
-     ETD_ROULETTE_OWN, 0, 0, 0, 0, {0, 0}, {0, 0}, ETD_SWITCH_DEFAULT, 0}
+     ETD_ROULETTE_OWN, 0, 0, 0, 0, {0, 0}, {0, 0}, ETD_SWITCH_DEFAULT, 0, 0, 0, NULL, 0, NULL}
 #define ETD_PROGRESS_INIT {sizeof(etd_progress), 0, 0, 0, 0, 0, ETD_PHASE_BUILD, 0}
 #define ETD_SUMMARY_INIT {sizeof(etd_summary), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, ETD_ENDED_SAMPLES, 0}
 #define ETD_FILM_OPTIONS_INIT {sizeof(etd_film_options), 0, 0, 0, 0}
@@ -126,7 +126,7 @@ enum etd_status
      */
     ETD_INVALID_OPERATION = 102,
     /**
-     * The scene holds a value that cannot be rendered; the message names file, line and JSON path.
+     * The scene holds a value that cannot be rendered; the message names file, line and JSON path. Or the saved film is none, or damaged.
      */
     ETD_INVALID_SCENE = 200,
     /**
@@ -2167,6 +2167,34 @@ typedef struct etd_render_options {
      * Must be 0.
      */
     uint32_t reserved;
+    /**
+     * Part of the picture that is rendered, from 1 to `share_count`, where several renders, of any processes and machines, each do one;
+     * 0 with a `share_count` of 0. `etd_film_merge` makes the picture of all parts. Adaptive sampling and `target_error` look at the whole
+     * picture and are refused.
+     */
+    uint32_t share_number;
+    /**
+     * Number of parts, 2^16 at most; 0: the whole picture, or with `resume` the part that was begun. This and the fields below are for
+     * pictures: light maps and light at given points refuse them.
+     */
+    uint32_t share_count;
+    /**
+     * File to which the state of the render is written every `checkpoint_seconds` and when it ends, for whatever reason, UTF-8; NULL: none.
+     * It is replaced in one step each time. `etd_film_load` reads it. The text is read during the call that begins the render. Where the last
+     * state cannot be written, the render is done all the same and then fails with `ETD_IO`.
+     */
+    const char *checkpoint_file;
+    /**
+     * Seconds from one writing of `checkpoint_file` to the next, > 0; 0 means 60.
+     */
+    double checkpoint_seconds;
+    /**
+     * Film whose render goes on, also the film that is rendered to; NULL: the render begins anew. The result is that of one render
+     * without interruption, to the last bit. Scene and options must be those of that render, and are `ETD_UNSUPPORTED` with what differs
+     * otherwise; these may differ: `samples` with the samplers Sobol and random, `time_limit`, `target_error`, `checkpoint_file`, and what
+     * options leave to their default. The film is reserved until the render has taken over its state, and stays as it is.
+     */
+    const struct etd_film *resume;
 } etd_render_options;
 
 /**
@@ -4473,11 +4501,88 @@ etd_status etd_film_write(const struct etd_film *film,
                           const struct etd_image_options *options);
 
 /**
- * Returns the summary of the last render to this film that has ended. Error: `ETD_INVALID_OPERATION` before the first one.
+ * Returns the summary of the last render to this film that has ended, or of a film that was loaded or merged. Error:
+ * `ETD_INVALID_OPERATION` before the first one. Thread-safe.
+ */
+etd_status etd_film_get_summary(const struct etd_film *film, struct etd_summary *out_summary);
+
+/**
+ * Saves the state of the last render to a film, so that `etd_film_load` can read it on any machine: all sums of all pixels, the layers,
+ * the estimated errors, and what further samples depend on.
+ *
+ * A file at `path` is replaced in one step, and stays as it is on an error. A render that was cancelled may be saved, and one that is
+ * done. The film is reserved meanwhile: a render to it is refused. So that nobody goes on with another scene, the state knows its scene
+ * by a fingerprint. That of a render without `share_count`, `checkpoint_file` and `resume` is made now, of the scene as it was
+ * rendered. `path`: UTF-8. Errors: `ETD_IO`; `ETD_INVALID_OPERATION` before the first render, while a render uses the film, and where the
+ * fingerprint is still to be made of a scene that was edited or released since. Thread-safe.
+ */
+etd_status etd_film_save(const struct etd_film *film,
+                         const char *path);
+
+/**
+ * Saves the state of the last render to a film in the host's memory, with the bytes that `etd_film_save` writes to a file.
+ *
+ * `buffer`: receives the bytes, `capacity` at most; NULL to ask for their number alone. `out_size`: receives their number, unless it is
+ * NULL. Errors: `ETD_INVALID_ARGUMENT` for a buffer that is too small, of which nothing is written, and those of `etd_film_save`.
  * Thread-safe.
  */
-etd_status etd_film_get_summary(const struct etd_film *film,
-                                struct etd_summary *out_summary);
+etd_status etd_film_save_memory(const struct etd_film *film,
+                                void *buffer,
+                                size_t capacity,
+                                size_t *out_size);
+
+/**
+ * Reads a film that `etd_film_save`, a render with `checkpoint_file`, or the command line has written. It may be mapped, copied, written
+ * as an image, saved, merged, and given to a render as the state to go on from.
+ *
+ * `options`: NULL for a film without layers besides the colour. Otherwise width and height are those of the file or both 0, and the layers
+ * are kept as by `etd_film_new`. Any bytes may be read: those of no film, cut, or changed anywhere are refused, and take no more memory
+ * than the film that they name. The summary of the film has the numbers of samples and rays and the errors; its times are 0, and it
+ * says `ETD_ENDED_SAMPLES`. On `ETD_OK`, `*out_film` is one reference. Errors: `ETD_IO` for a file that cannot be read,
+ * `ETD_INVALID_SCENE` for one that is damaged or no film, `ETD_UNSUPPORTED` for another version of the format, another size, and layers of
+ * first hits that the file does not keep, `ETD_OUT_OF_MEMORY` if the film exceeds the device's memory limit; all name the file.
+ * Thread-safe.
+ */
+etd_status etd_film_load(struct etd_device *device,
+                         const char *path,
+                         const struct etd_film_options *options,
+                         struct etd_film **out_film);
+
+/**
+ * Reads a film from memory, as `etd_film_load` does from a file. `bytes`: `size` of them. Thread-safe.
+ */
+etd_status etd_film_load_memory(struct etd_device *device,
+                                const void *bytes,
+                                size_t size,
+                                const struct etd_film_options *options,
+                                struct etd_film **out_film);
+
+/**
+ * Makes the film of a whole picture from those of all its parts, in any order: what one render would have come to, to the last bit.
+ *
+ * `films`: `count` films, rendered here with `share_number` and `share_count` or loaded; they stay as they are. The new film is of
+ * the device of the first of them and keeps its layers. Parts that were stopped have fewer samples; a render with the new film as
+ * `resume` makes up for what is missing. Its summary is as that of a film that was loaded. On `ETD_OK`, `*out_film` is one reference.
+ * Errors: `ETD_INVALID_ARGUMENT` for parts that are missing or given twice, and for a film that is no part, `ETD_UNSUPPORTED` for parts
+ * of different renders with what differs, `ETD_OUT_OF_MEMORY` if the film exceeds the device's memory limit, and those of
+ * `etd_film_save`. Thread-safe.
+ */
+etd_status etd_film_merge(struct etd_film *const *films,
+                          size_t count,
+                          struct etd_film **out_film);
+
+/**
+ * Returns the number of pixels in a row of a film and its number of rows. Thread-safe.
+ */
+etd_status etd_film_get_resolution(const struct etd_film *film, uint32_t *out_width, uint32_t *out_height);
+
+/**
+ * Returns which part of the picture the last render to a film was of, as `share_number` and `share_count` of its options; 0 and 0 for
+ * all of it. Error: `ETD_INVALID_OPERATION` before the first render and while a render uses the film. Thread-safe.
+ */
+etd_status etd_film_get_share(const struct etd_film *film,
+                              uint32_t *out_number,
+                              uint32_t *out_count);
 
 /**
  * Renders a scene to a film and returns when the render has ended. A scene that has changed is built first.

@@ -1363,6 +1363,14 @@ private:
     etd_map map_;
 };
 
+/** Which part of a picture a film has: `share_number` and `share_count` of its render's options. */
+struct Share {
+    /** The part, from 1; 0 for all of the picture. */
+    std::uint32_t number = 0;
+    /** How many parts there are; 0 for all of the picture. */
+    std::uint32_t count = 0;
+};
+
 /** A film: its resolution and layers, and the image that was made last. */
 class Film : public detail::Owner<etd_film, etd_film_retain, etd_film_release> {
 public:
@@ -1376,6 +1384,37 @@ public:
     static Outcome<Film> create(const Device &device, std::uint32_t width, std::uint32_t height,
                                 std::uint32_t layers = 0) {
         return create(device, film_options(width, height, layers));
+    }
+    /**
+     * A film that was saved, from a file; `layers`: `etd_layer` bits besides the colour. A render whose options have its `get()` as
+     * `resume` goes on from it.
+     */
+    static Outcome<Film> load(const Device &device, const std::string &path, std::uint32_t layers = 0) {
+        const etd_film_options options = film_options(0, 0, layers);
+        etd_film *film = nullptr;
+        const etd_status status = etd_film_load(device.get(), path.c_str(), &options, &film);
+        return detail::give(status, Film(device.keep(), film));
+    }
+    /** A film that was saved, from memory. */
+    static Outcome<Film> load_memory(const Device &device, span<const unsigned char> bytes, std::uint32_t layers = 0) {
+        const etd_film_options options = film_options(0, 0, layers);
+        // An empty span may have no address, which the library takes for a forgotten argument.
+        static constexpr unsigned char none = 0;
+        const unsigned char *data = bytes.empty() ? &none : bytes.data();
+        etd_film *film = nullptr;
+        const etd_status status = etd_film_load_memory(device.get(), data, bytes.size(), &options, &film);
+        return detail::give(status, Film(device.keep(), film));
+    }
+    /** The film of a whole picture, from those of all its parts in any order, which stay as they are. */
+    static Outcome<Film> merge(span<const Film> parts) {
+        std::vector<etd_film *> handles;
+        for (const Film &part : parts) {
+            handles.push_back(part.get());
+        }
+        etd_film *none = nullptr;
+        etd_film *film = nullptr;
+        const etd_status status = etd_film_merge(handles.empty() ? &none : handles.data(), handles.size(), &film);
+        return detail::give(status, Film(parts.empty() ? nullptr : parts[0].keep(), film));
     }
     /** A second owner of the same film. */
     Outcome<Film> share() const {
@@ -1409,7 +1448,32 @@ public:
     Outcome<void> write(const std::string &path, const etd_image_options &options = image_options()) const {
         return detail::done(etd_film_write(get(), path.c_str(), &options));
     }
-    /** What the last render that ended on this film came to. */
+    /** Saves the state of the last render to a file, which is replaced in one step. */
+    Outcome<void> save(const std::string &path) const { return detail::done(etd_film_save(get(), path.c_str())); }
+    /** The bytes that `save` writes. */
+    Outcome<std::vector<unsigned char>> save_memory() const {
+        std::vector<unsigned char> bytes;
+        std::size_t size = 0;
+        etd_status status = etd_film_save_memory(get(), nullptr, 0, &size);
+        if (status == ETD_OK) {
+            bytes.resize(size);
+            status = etd_film_save_memory(get(), bytes.data(), bytes.size(), &size);
+        }
+        return detail::give(status, std::move(bytes));
+    }
+    /** Which part of the picture the last render was of. */
+    Outcome<Share> part() const {
+        Share part;
+        const etd_status status = etd_film_get_share(get(), &part.number, &part.count);
+        return detail::give(status, std::move(part));
+    }
+    /** Width and height in pixels. */
+    Outcome<Resolution> resolution() const {
+        Resolution resolution;
+        const etd_status status = etd_film_get_resolution(get(), &resolution.width, &resolution.height);
+        return detail::give(status, std::move(resolution));
+    }
+    /** What the last render that ended on this film came to, or what is known of a film that was loaded or merged. */
     Outcome<etd_summary> summary() const {
         etd_summary summary = ETD_SUMMARY_INIT;
         const etd_status status = etd_film_get_summary(get(), &summary);

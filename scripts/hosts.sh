@@ -109,6 +109,7 @@ run_tests() {
     run "$bin/memory"
     run "$bin/materials"
     run "$bin/textures"
+    run "$bin/checkpoint"
     run "$bin/layer"
     run "$bin/layer_returning"
     cd "$root"

@@ -311,6 +311,33 @@ impl World {
         }
     }
 
+    /// Puts a film in the place of the one there was that was saved and loaded, and merged if that is all of it.
+    ///
+    /// # Safety
+    /// The handles are alive or NULL.
+    unsafe fn move_film(&mut self) {
+        let (mut size, mut loaded, mut merged) = (0, null_mut(), null_mut());
+        // SAFETY: every pointer is to what the call reads or writes.
+        unsafe {
+            if fine(etd_film_save_memory(self.film, null_mut(), 0, &raw mut size)) != ETD_OK {
+                return;
+            }
+            let mut bytes = vec![0_u8; size];
+            assert_eq!(etd_film_save_memory(self.film, bytes.as_mut_ptr().cast(), size, null_mut()), ETD_OK);
+            let bytes = bytes.as_ptr().cast();
+            if fine(etd_film_load_memory(self.device, bytes, size, null(), &raw mut loaded)) != ETD_OK {
+                return;
+            }
+            if fine(etd_film_merge(&raw const loaded, 1, &raw mut merged)) == ETD_OK {
+                etd_film_release(loaded);
+                loaded = merged;
+            }
+            self.maps.clear();
+            etd_film_release(self.film);
+            self.film = loaded;
+        }
+    }
+
     /// # Safety
     /// The handles are alive or NULL.
     unsafe fn call(&mut self, call: Call) {
@@ -693,6 +720,7 @@ impl World {
                     }
                 }
                 Call::Render { integrator, sampler, filter, parameters, samples, depth, film } => {
+                    let (is_part, goes_on) = (filter >= 192, (128..192).contains(&filter));
                     let options = etd_render_options {
                         integrator: u32::from(integrator) % (INTEGRATORS + 1),
                         sampler: u32::from(sampler % 6),
@@ -703,10 +731,15 @@ impl World {
                         spectral: u32::from(sampler >> 6),
                         reuse: u32::from(depth >> 4) % 4,
                         sensor_bands: if depth >> 6 == 3 { parameters.map(f64::from) } else { [0.0; 2] },
+                        share_number: if is_part { u32::from(samples >> 2) % 4 } else { 0 },
+                        share_count: if is_part { u32::from(samples >> 4) % 4 } else { 0 },
+                        resume: if goes_on { self.film } else { null() },
                         ..quick()
                     };
                     let film = if film { self.film } else { null_mut() };
-                    fine(etd_render(scene, film, &raw const options));
+                    if fine(etd_render(scene, film, &raw const options)) == ETD_OK && (is_part || goes_on) {
+                        self.move_film();
+                    }
                 }
                 Call::RenderPart { integrator, sampler, picture, crop: [crop_left, crop_top] } => {
                     let [picture_width, picture_height] = picture.map(u32::from);

@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use super::boundary::{
     Header, Object, UserData, give, need, object, on, read_sized, release, retain, take_status, write_sized,
 };
+use super::checkpoint::Parts;
 use super::device::etd_device;
 use super::progress::{BUILD_FRACTION, HostProgress, initial_progress};
 use super::read;
@@ -532,6 +533,7 @@ impl<'a> BakeJob<'a> {
         }
         let progress = HostProgress::new(options.progress, UserData(options.user_data));
         // Invalid options are refused here.
+        Parts::refuse(&options)?;
         settings_of(&options, [1, 1], &scene.device, progress.cancel())?;
         Ok(Self { scene, options, progress })
     }

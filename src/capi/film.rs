@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use std::ffi::c_char;
 use std::path::Path;
 use std::sync::{Arc, Mutex, Weak};
+use std::time::Duration;
 
 use super::boundary::{
     Header, Object, give, lock, need, object, on, optional_text, read_sized, release, retain, take_status, text,
@@ -14,11 +15,13 @@ use super::device::etd_device;
 use super::read;
 use super::status::{ETD_OUT_OF_MEMORY, Failure, Result, etd_status};
 use super::types::*;
+use super::work::summary_out;
 use crate::Cancel;
-use crate::desc::MAX_PIXELS;
+use crate::desc::{MAX_PIXELS, SceneDesc};
 use crate::embree::Charge;
 use crate::film::{Film, Image, LayerKind, Shown, TILE, pixel_bytes};
-use crate::output::{self, Attribute, ToneMap, WriteOptions};
+use crate::output::{self, Attribute, ToneMap, WriteOptions, summary_attributes};
+use crate::render::{Checkpoint, Share, Summary};
 use crate::spectrum::Primaries;
 
 /// The layers besides the colour that are images.
@@ -36,7 +39,7 @@ const LAYERS: [(etd_layer, LayerKind); 7] = [
 const ALL_LAYERS: u32 = 511;
 
 /// Layers that need the first hit of each sample.
-const FIRST_HIT: u32 =
+pub(super) const FIRST_HIT: u32 =
     ETD_LAYER_ALBEDO as u32 | ETD_LAYER_NORMAL as u32 | ETD_LAYER_DEPTH as u32 | ETD_LAYER_ALPHA as u32;
 
 /// A developed image: the colour with alpha, and the layers that the film keeps.
@@ -71,6 +74,8 @@ object!(etd_film, b"EtFi", "film");
 struct FilmState {
     /// Whether a render uses the film.
     busy: bool,
+    /// Number of those who read the state of the last render, which no render may change meanwhile.
+    readers: usize,
     /// The newest image, which the next map shows.
     front: Arc<DevelopedImage>,
     /// An image that is not mapped any more, whose memory the next image uses.
@@ -84,12 +89,157 @@ struct FilmState {
     next_map: u64,
     /// The sums of the last render.
     sums: Option<Arc<Film>>,
+    /// The state of the last render, once it has ended.
+    kept: Option<Kept>,
     summary: Option<etd_summary>,
     /// The summary as attributes of an EXR's header.
     attributes: Vec<(String, Attribute)>,
 }
 
+/// The state of a render, to be saved or gone on from.
+#[derive(Clone)]
+struct Kept {
+    checkpoint: Checkpoint,
+    /// What was rendered, as long as it was not edited or released; `None` where the state was loaded. Of it the fingerprint is made when
+    /// the state is asked for, so that no other render takes the time. It keeps no arrays of the host.
+    desc: Option<Weak<SceneDesc>>,
+}
+
 impl etd_film {
+    /// A black film, or one with the state of a render.
+    fn make(
+        device: &Arc<etd_device>,
+        resolution: [u32; 2],
+        layers: u32,
+        charge: Charge,
+        state: Option<Checkpoint>,
+    ) -> Result<Arc<Self>> {
+        let sums = state.as_ref().map(|state| Arc::clone(state.film()));
+        let samples = state.as_ref().map_or(0, Checkpoint::samples);
+        let film = Self {
+            header: Header::new::<Self>(device.callbacks()),
+            resolution,
+            layers,
+            state: Mutex::new(FilmState {
+                busy: false,
+                readers: 0,
+                front: Arc::default(),
+                spare: None,
+                images: 0,
+                undeveloped: sums.clone().map(|sums| (sums, samples)),
+                maps: HashMap::new(),
+                next_map: 1,
+                sums,
+                kept: state.map(|checkpoint| Kept { checkpoint, desc: None }),
+                summary: None,
+                attributes: Vec::new(),
+            }),
+            _charge: charge,
+            device: Arc::clone(device),
+        };
+        let black = film.frame()?;
+        lock(&film.state).front = Arc::new(black);
+        Ok(Arc::new(film))
+    }
+
+    /// A film with the state of a render.
+    pub(super) fn of_state(
+        device: &Arc<etd_device>,
+        layers: u32,
+        charge: Charge,
+        state: Checkpoint,
+    ) -> Result<Arc<Self>> {
+        let resolution = state.film().options().resolution;
+        Self::make(device, resolution, layers, charge, Some(state))
+    }
+
+    /// Bits of the layers that the film keeps.
+    pub(super) fn layers(&self) -> u32 {
+        self.layers
+    }
+
+    /// Reserves the state of the last render, so that no render changes it. It is an error while a render uses the film.
+    pub(super) fn begin_reading(&self) -> Result {
+        let mut state = lock(&self.state);
+        if state.busy {
+            return Err(Failure::operation("the film is being rendered to: wait for its task"));
+        }
+        state.readers += 1;
+        Ok(())
+    }
+
+    /// Ends what [`etd_film::begin_reading`] has begun.
+    pub(super) fn end_reading(&self) {
+        lock(&self.state).readers -= 1;
+    }
+
+    /// Keeps the state of a render that has ended. `desc` is what was rendered.
+    pub(super) fn keep(&self, checkpoint: Checkpoint, desc: Weak<SceneDesc>) {
+        lock(&self.state).kept = Some(Kept { checkpoint, desc: Some(desc) });
+    }
+
+    /// The state of the last render, which knows its scene. The film must be reserved.
+    pub(super) fn kept(&self) -> Result<Checkpoint> {
+        let kept = lock(&self.state).kept.clone();
+        let Some(Kept { mut checkpoint, desc }) = kept else {
+            return Err(Failure::operation("nothing was rendered to the film yet, or its last render has failed"));
+        };
+        if let (Some(desc), false) = (desc, checkpoint.knows_scene()) {
+            let desc = desc.upgrade().ok_or_else(|| {
+                Failure::operation(
+                    "the scene was edited or released since it was rendered, so its fingerprint is not known: save the film \
+                     before that, or render with checkpoint_file or share_count",
+                )
+            })?;
+            let fingerprint = desc.fingerprint()?;
+            checkpoint.set_scene(fingerprint);
+            if let Some(kept) = &mut lock(&self.state).kept {
+                kept.checkpoint.set_scene(fingerprint);
+            }
+        }
+        Ok(checkpoint)
+    }
+
+    /// The part of the picture that the last render was of.
+    pub(super) fn share(&self) -> Result<Option<Share>> {
+        let state = lock(&self.state);
+        match &state.kept {
+            Some(kept) => Ok(kept.checkpoint.share()),
+            None if state.busy => Err(Failure::operation("the film is being rendered to: wait for its task")),
+            None => Err(Failure::operation("nothing was rendered to the film yet, or its last render has failed")),
+        }
+    }
+
+    /// Makes the summary of a film that was loaded or merged, of which no render has said one.
+    fn summarise(&self) {
+        let checkpoint = {
+            let state = lock(&self.state);
+            match &state.kept {
+                Some(kept) if state.summary.is_none() => kept.checkpoint.clone(),
+                _ => return,
+            }
+        };
+        let film = checkpoint.film();
+        let summary = Summary {
+            samples: checkpoint.samples(),
+            sample_counts: Some(film.counts()),
+            rays: checkpoint.rays(),
+            rel_mse: film.rel_mse(),
+            display_error: film.display_error(),
+            non_finite: film.non_finite(),
+            ..Summary::default()
+        };
+        let mut attributes = summary_attributes(&summary);
+        // How the renders ended is not known.
+        attributes.retain(|(name, _)| name != "ended");
+        let mut state = lock(&self.state);
+        // Another thread may have been faster, or a render may have begun.
+        if state.summary.is_none() && state.sums.as_ref().is_some_and(|sums| Arc::ptr_eq(sums, film)) {
+            state.summary = Some(summary_out(&summary, Duration::ZERO, false));
+            state.attributes = attributes;
+        }
+    }
+
     /// Whether renders have to keep first hits for the film's layers.
     pub(super) fn keeps_first_hits(&self) -> bool {
         self.layers & FIRST_HIT != 0
@@ -100,6 +250,11 @@ impl etd_film {
         let mut state = lock(&self.state);
         if state.busy {
             return Err(Failure::operation("the film is being rendered to: wait for its task, or use another film"));
+        }
+        if state.readers > 0 {
+            return Err(Failure::operation(
+                "the film is being saved, merged or gone on from: wait, or use another film",
+            ));
         }
         state.busy = true;
         Ok(())
@@ -118,6 +273,7 @@ impl etd_film {
     pub(super) fn set_sums(&self, sums: &Arc<Film>) {
         let mut state = lock(&self.state);
         state.sums = Some(Arc::clone(sums));
+        state.kept = None;
         // The attributes belong to the previous sums.
         state.attributes.clear();
     }
@@ -253,54 +409,45 @@ pub unsafe extern "C" fn etd_film_new(
         on(device, |device| {
             need(out_film, "out_film")?;
             let it = read_sized(options, "options")?;
-            let in_tiles = check_size([it.width, it.height])?;
-            let pixels = u64::from(it.width) * u64::from(it.height);
-            if it.layers & !ALL_LAYERS != 0 {
-                let message = format!("options.layers is {:#x}, expected bits of {ALL_LAYERS:#x} alone", it.layers);
-                return Err(Failure::argument(message));
-            }
-            if it.reserved != 0 {
-                return Err(Failure::argument("options.reserved is not 0"));
-            }
-            let first_hits = it.layers & FIRST_HIT != 0;
-            let channels: usize = LAYERS
-                .iter()
-                .filter(|(layer, _)| it.layers & *layer as u32 != 0)
-                .map(|(_, kind)| kind.channels())
-                .sum();
-            // The sums and two images: one that is shown and one that is being developed.
-            let bytes = in_tiles * pixel_bytes(first_hits) as u64 + pixels * 2 * 4 * (4 + channels as u64);
-            let charge = device.budget.try_charge(usize::try_from(bytes).unwrap_or(usize::MAX))?;
-            let empty = Arc::new(DevelopedImage::default());
-            let film = etd_film {
-                header: Header::new::<etd_film>(device.callbacks()),
-                resolution: [it.width, it.height],
-                layers: it.layers,
-                state: Mutex::new(FilmState {
-                    busy: false,
-                    front: empty,
-                    spare: None,
-                    images: 0,
-                    undeveloped: None,
-                    maps: HashMap::new(),
-                    next_map: 1,
-                    sums: None,
-                    summary: None,
-                    attributes: Vec::new(),
-                }),
-                _charge: charge,
-                device: Arc::clone(device),
-            };
-            let black = film.frame()?;
-            lock(&film.state).front = Arc::new(black);
-            give(Arc::new(film), out_film);
+            check_size([it.width, it.height])?;
+            check_layers(&it)?;
+            let charge = charge(device, [it.width, it.height], it.layers, it.layers & FIRST_HIT != 0)?;
+            let film = etd_film::make(device, [it.width, it.height], it.layers, charge, None)?;
+            give(film, out_film);
             Ok(())
         })
     }
 }
 
-/// Checks the width and height of a film. Returns the number of pixels of the tiles that hold it.
-fn check_size(sides: [u32; 2]) -> Result<u64> {
+/// Checks the layers that are asked for.
+pub(super) fn check_layers(options: &etd_film_options) -> Result {
+    if options.layers & !ALL_LAYERS != 0 {
+        let message = format!("options.layers is {:#x}, expected bits of {ALL_LAYERS:#x} alone", options.layers);
+        return Err(Failure::argument(message));
+    }
+    if options.reserved != 0 {
+        return Err(Failure::argument("options.reserved is not 0"));
+    }
+    Ok(())
+}
+
+/// Takes a film's part of the device's memory limit: the sums and two images, one that is shown and one that is being developed.
+pub(super) fn charge(
+    device: &etd_device,
+    size: [u32; 2],
+    layers: u32,
+    keeps_first_hits: bool,
+) -> crate::Result<Charge> {
+    let channels: usize =
+        LAYERS.iter().filter(|(layer, _)| layers & *layer as u32 != 0).map(|(_, kind)| kind.channels()).sum();
+    let pixels: u64 = size.map(u64::from).iter().product();
+    let in_tiles: u64 = size.map(|side| u64::from(side.div_ceil(TILE) * TILE)).iter().product();
+    let bytes = in_tiles * pixel_bytes(keeps_first_hits) as u64 + pixels * 2 * 4 * (4 + channels as u64);
+    device.budget.try_charge(usize::try_from(bytes).unwrap_or(usize::MAX))
+}
+
+/// Checks the width and height of a film.
+fn check_size(sides: [u32; 2]) -> Result {
     let names = ["width", "height"];
     if let Some((name, _)) = names.iter().zip(sides).find(|(_, side)| *side == 0) {
         return Err(Failure::argument(format!("options.{name} is 0, expected 1 or more")));
@@ -323,7 +470,7 @@ fn check_size(sides: [u32; 2]) -> Result<u64> {
     if u64::from(long) > most(short) {
         return refused(most(short), format!(" beside a {} of {short}", names[1 - longer]));
     }
-    Ok(tiles(long.into()) * tiles(short) * u64::from(TILE * TILE))
+    Ok(())
 }
 
 /// Adds a reference to a film. Thread-safe.
@@ -526,6 +673,7 @@ pub unsafe extern "C" fn etd_film_write(
             let path = text(path, "path")?;
             let it = read_image_options(options)?;
             let comments = optional_text(it.comments, "options.comments")?;
+            film.summarise();
             let (sums, attributes) = {
                 let state = lock(&film.state);
                 (state.sums.clone(), state.attributes.clone())
@@ -544,8 +692,8 @@ pub unsafe extern "C" fn etd_film_write(
     }
 }
 
-/// Returns the summary of the last render to this film that has ended. Error: `ETD_INVALID_OPERATION` before the first one.
-/// Thread-safe.
+/// Returns the summary of the last render to this film that has ended, or of a film that was loaded or merged. Error:
+/// `ETD_INVALID_OPERATION` before the first one. Thread-safe.
 ///
 /// # Safety
 /// Each pointer must be NULL or point to a value of its type.
@@ -554,6 +702,7 @@ pub unsafe extern "C" fn etd_film_get_summary(film: *const etd_film, out_summary
     // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(film, |film| {
+            film.summarise();
             let summary = lock(&film.state).summary;
             let summary = summary.ok_or_else(|| Failure::operation("no render has ended on this film yet"))?;
             write_sized(out_summary, "out_summary", summary)

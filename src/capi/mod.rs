@@ -14,6 +14,7 @@
 mod bake;
 mod boundary;
 mod camera;
+mod checkpoint;
 mod describe;
 mod device;
 mod environment;
@@ -40,6 +41,7 @@ mod types;
 mod work;
 
 pub use bake::*;
+pub use checkpoint::*;
 pub use describe::*;
 pub use device::*;
 pub use environment::*;

@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 use std::ffi::{c_char, c_void};
 use std::path::Path;
-use std::sync::{Arc, Mutex, TryLockError};
+use std::sync::{Arc, Mutex, TryLockError, Weak};
 use std::time::Duration;
 
 use arc_swap::ArcSwapOption;
@@ -42,6 +42,8 @@ pub struct etd_scene {
     built: ArcSwapOption<Scene>,
     /// Held by the thread that builds.
     building: Mutex<()>,
+    /// The description whose fingerprint was asked for last, and the fingerprint.
+    fingerprint: Mutex<(Weak<SceneDesc>, u64)>,
 }
 object!(etd_scene, b"EtSc", "scene");
 
@@ -89,6 +91,7 @@ impl etd_scene {
             surface_paths: Mutex::default(),
             built: ArcSwapOption::empty(),
             building: Mutex::new(()),
+            fingerprint: Mutex::default(),
         })
     }
 
@@ -137,8 +140,26 @@ impl etd_scene {
         }
     }
 
+    /// The fingerprint of a description of this scene, which takes as long as to read all of its meshes and images; the last one is kept.
+    pub(super) fn fingerprint(&self, desc: &Arc<SceneDesc>) -> Result<u64> {
+        let mut known = lock(&self.fingerprint);
+        if !std::ptr::eq(known.0.as_ptr(), Arc::as_ptr(desc)) {
+            *known = (Arc::downgrade(desc), desc.fingerprint()?);
+        }
+        Ok(known.1)
+    }
+
     /// Returns the scene as described now, which is built if it has changed, and the time of the build.
     pub(super) fn build(&self, cancel: &Cancel, progress: BuildReport) -> Result<(Scene, Duration)> {
+        self.build_described(cancel, progress).map(|(scene, time, _)| (scene, time))
+    }
+
+    /// The same as [`etd_scene::build`], with the description that was built. An edit makes another one.
+    pub(super) fn build_described(
+        &self,
+        cancel: &Cancel,
+        progress: BuildReport,
+    ) -> Result<(Scene, Duration, Arc<SceneDesc>)> {
         let own = std::ptr::from_ref(self).addr();
         if is_active(own) {
             return Err(Failure::operation("a function that a build of this scene calls cannot wait for the build"));
@@ -151,7 +172,7 @@ impl etd_scene {
             }) as Arc<dyn Fn(f64) + Send + Sync>
         });
         // These are dropped after `turn` is released, because their drops may call the host.
-        let (desc, old);
+        let (desc, old): (Arc<SceneDesc>, _);
         let turn = loop {
             match self.building.try_lock() {
                 Ok(turn) => break turn,
@@ -170,7 +191,7 @@ impl etd_scene {
         };
         old = self.built.load_full();
         if let (Some(built), true) = (&old, is_current) {
-            return Ok((Scene::clone(built), Duration::ZERO));
+            return Ok((Scene::clone(built), Duration::ZERO, Arc::clone(&desc)));
         }
         let options = BuildOptions {
             threads: self.device.build_threads,
@@ -195,7 +216,7 @@ impl etd_scene {
         }
         let time = scene.info().build_time;
         callbacks.log(ETD_LOG_INFO, &format!("scene built in {:.1} ms", 1e3 * time.as_secs_f64()));
-        Ok((scene, time))
+        Ok((scene, time, desc))
     }
 }
 

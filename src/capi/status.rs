@@ -26,7 +26,7 @@ pub enum etd_status {
     /// callback that waits for the very work that called it.
     ETD_INVALID_OPERATION = 102,
 
-    /// The scene holds a value that cannot be rendered; the message names file, line and JSON path.
+    /// The scene holds a value that cannot be rendered; the message names file, line and JSON path. Or the saved film is none, or damaged.
     ETD_INVALID_SCENE = 200,
     /// The request is valid, but this version does not support it.
     ETD_UNSUPPORTED = 201,

@@ -1,24 +1,26 @@
 //! The state of a render that a call or a task does: its input, its progress and its outcome. `task` has the handles.
 
 use std::ops::ControlFlow;
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::ptr;
+use std::sync::{Arc, Condvar, Mutex, PoisonError, Weak};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use super::boundary::{ActiveWork, Object, UserData, catch, is_active, lock, read_sized, share};
+use super::checkpoint::{Held, Parts, resumed_film};
 use super::device::etd_device;
 use super::film::etd_film;
 use super::float_state::in_host_state;
 use super::progress::{BUILD_FRACTION, BuildReport, Pace, initial_progress};
 use super::read;
 use super::scene::etd_scene;
-use super::status::{ETD_CANCELLED, ETD_DEVICE, ETD_OK, Failure, Result};
+use super::status::{ETD_CANCELLED, ETD_DEVICE, ETD_IO, ETD_OK, Failure, Result};
 use super::types::{
     ETD_ENDED_CANCELLED, ETD_ENDED_ERROR, ETD_ENDED_SAMPLES, ETD_ENDED_TIME, ETD_LOG_WARNING, ETD_PHASE_BUILD,
     ETD_PHASE_END, ETD_PHASE_RENDER, etd_progress, etd_render_options, etd_summary,
 };
 use crate::Cancel;
-use crate::desc::IntegratorDesc;
+use crate::desc::{IntegratorDesc, SceneDesc};
 use crate::output::summary_attributes;
 use crate::render::{Ended, Render, RenderSettings, Summary};
 
@@ -37,8 +39,12 @@ pub(super) struct RenderWork {
     user_data: UserData,
     state: Mutex<WorkState>,
     ended: Condvar,
-    /// The render, which is kept so that it can be resumed.
-    render: Mutex<Option<Render>>,
+    /// What the options say about parts of the picture and about checkpoints.
+    parts: Parts,
+    /// The state from which the render goes on, until the render has taken it over.
+    held: Mutex<Option<Held>>,
+    /// The render, which is kept so that it can be resumed, and what it is a render of.
+    render: Mutex<Option<(Render, Weak<SceneDesc>)>>,
 }
 
 // SAFETY: the pointers in `options` are functions and `user_data`, which the library does not dereference.
@@ -88,15 +94,17 @@ impl RenderWork {
         options: *const etd_render_options,
     ) -> Result<Arc<Self>> {
         // SAFETY: the caller keeps this function's contract.
-        let (film, options) = unsafe {
+        let (film, options, parts, resumed) = unsafe {
             let film = share(film.cast_const())?;
             let options = if options.is_null() {
                 read::render_out(&scene.desc().render)
             } else {
                 read_sized(options, "options")?
             };
-            (film, options)
+            (film, options, Parts::read(&options)?, resumed_film(&options)?)
         };
+        // The host's text and film are not looked at again.
+        let options = etd_render_options { checkpoint_file: ptr::null(), resume: ptr::null(), ..options };
         if !Arc::ptr_eq(film.device(), &scene.device) {
             return Err(Failure::argument("the film is of another device than the scene"));
         }
@@ -120,11 +128,25 @@ impl RenderWork {
                 thread: None,
             }),
             ended: Condvar::new(),
+            parts,
+            held: Mutex::new(None),
             render: Mutex::new(None),
         };
         // Invalid options are refused here.
         work.settings(&cancel)?;
+        let (own, other): (Vec<_>, Vec<_>) = resumed.iter().partition(|film| Arc::ptr_eq(film, &work.film));
+        let mut held = other.first().map(|film| Held::of(film)).transpose()?;
         work.film.begin()?;
+        if !own.is_empty() {
+            match Held::of_reserved(&work.film) {
+                Ok(state) => held = Some(state),
+                Err(failure) => {
+                    work.film.end(None);
+                    return Err(failure);
+                }
+            }
+        }
+        *lock(&work.held) = held;
         Ok(Arc::new(work))
     }
 
@@ -194,18 +216,26 @@ impl RenderWork {
                     });
                 }
             }));
-            let (scene, time) = self.scene.build(cancel, report)?;
+            let (scene, time, desc) = self.scene.build_described(cancel, report)?;
             build_time = time;
-            let settings = self.settings(cancel)?;
+            let mut held = lock(&self.held).take();
+            let mut settings = self.settings(cancel)?;
+            if self.parts.are_given() || held.is_some() {
+                settings.fingerprint = Some(self.scene.fingerprint(&desc)?);
+            }
             // If the scene's own integrator is radiosity, the build of the scene has already logged these warnings.
             let is_own = self.scene.desc().render.integrator == IntegratorDesc::Radiosity;
             if settings.desc.integrator == IntegratorDesc::Radiosity && !is_own {
                 let callbacks = self.scene.device.callbacks();
                 scene.info().not_diffuse.iter().for_each(|warning| callbacks.log(ETD_LOG_WARNING, warning));
             }
-            *slot = Some(Render::new(&scene, settings)?);
+            let render = match held.as_mut().and_then(Held::take) {
+                Some(state) => Render::resume(&scene, settings, state)?,
+                None => Render::new(&scene, settings)?,
+            };
+            *slot = Some((render, Arc::downgrade(&desc)));
         }
-        let Some(render) = slot.as_mut() else { return Ok(()) };
+        let Some((render, desc)) = slot.as_mut() else { return Ok(()) };
         render.set_cancel(cancel.clone());
         let sums = Arc::clone(render.film());
         self.film.set_sums(&sums);
@@ -235,6 +265,7 @@ impl RenderWork {
         if let Some(failure) = failure {
             return Err(failure);
         }
+        self.film.keep(render.checkpoint()?, desc.clone());
         // The image of a pass that ended early. After a cancel, the image is made only when the host asks for it.
         if cancel.is_cancelled() || !self.film.publish(&sums, summary.samples, cancel)? {
             self.film.publish_later(&sums, summary.samples);
@@ -249,12 +280,17 @@ impl RenderWork {
         }
         *out_summary = Some(summary_out(&summary, build_time, cancel.is_cancelled() && summary.stopped));
         self.film.set_attributes(summary_attributes(&summary));
-        Ok(())
+        match summary.checkpoint_failure {
+            Some(why) => Err(Failure::new(ETD_IO, format!("{why}; the film holds what was rendered"))),
+            None => Ok(()),
+        }
     }
 
     fn settings(&self, cancel: &Cancel) -> Result<RenderSettings> {
         let settings = settings_of(&self.options, self.film.resolution, &self.scene.device, cancel)?;
-        Ok(RenderSettings { auxiliary: self.film.keeps_first_hits(), ..settings })
+        let Parts { share, plan } = &self.parts;
+        let auxiliary = self.film.keeps_first_hits();
+        Ok(RenderSettings { auxiliary, share: *share, checkpoint: plan.clone(), ..settings })
     }
 
     /// Marks a run as begun. Returns `false` if the run is over, or was already begun.

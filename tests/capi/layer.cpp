@@ -422,6 +422,42 @@ void contents() {
     CHECK(status_of([&] { film.copy(ETD_LAYER_COLOR, etd::span<unsigned char>(bytes)); }) == ETD_INVALID_ARGUMENT);
 }
 
+// Parts of a picture: saved, loaded, merged, gone on from.
+void parts() {
+    const etd::Device device = etd::Device::create();
+    etd::Scene scene = ball(device);
+    etd::Film whole = etd::Film::create(device, 20, 17);
+    etd::render(scene, whole, few(4));
+    std::vector<etd::Film> films;
+    for (std::uint32_t number = 1; number <= 2; ++number) {
+        etd::Film film = etd::Film::create(device, 20, 17);
+        etd_render_options options = few();
+        options.share_number = number;
+        options.share_count = 2;
+        etd::render(scene, film, options);
+        films.push_back(etd::Film::load_memory(device, film.save_memory()));
+        CHECK(films.back().part().number == number && films.back().part().count == 2);
+        CHECK(films.back().resolution().width == 20 && films.back().resolution().height == 17);
+    }
+    etd::Film merged = etd::Film::merge(films);
+    CHECK(merged.part().count == 0 && merged.summary().samples == 2);
+    CHECK(status_of([&] { (void)etd::Film::merge(etd::span<const etd::Film>(films.data(), 1)); }) ==
+          ETD_INVALID_ARGUMENT);
+    CHECK(status_of([&] { (void)etd::Film::merge({}); }) == ETD_INVALID_ARGUMENT);
+    merged.save("layer.film");
+    const etd::Film read = etd::Film::load(device, "layer.film");
+    std::remove("layer.film");
+    etd_render_options options = few(4);
+    options.resume = read.get();
+    etd::render(scene, merged, options);
+    CHECK(merged.save_memory() == whole.save_memory());
+    CHECK(status_of([&] { (void)etd::Film::load(device, "layer.film"); }) == ETD_IO);
+    CHECK(status_of([&] { (void)etd::Film::load_memory(device, {}); }) == ETD_INVALID_SCENE);
+    CHECK(status_of([&] { (void)etd::Film::load_memory(device, read.save_memory(), ETD_LAYER_DEPTH); }) ==
+          ETD_UNSUPPORTED);
+    CHECK(status_of([&] { (void)etd::Film::create(device, 2, 2).save_memory(); }) == ETD_INVALID_OPERATION);
+}
+
 void materials() {
     const etd::Device device = etd::Device::create();
     etd::Scene scene = ball(device);
@@ -504,6 +540,7 @@ void all() {
     executors();
     task_in_its_own_function();
     contents();
+    parts();
     materials();
 }
 
@@ -551,6 +588,12 @@ void all() {
     const etd::Result<etd_status> baked = atlas->bake(etd::bake_target(etd::span<float>()), options);
     CHECK(!baked && baked.error().status() == ETD_INVALID_ARGUMENT);
     CHECK(film->map(ETD_LAYER_DEPTH).error().status() == ETD_INVALID_OPERATION);
+    CHECK(etd::render(scene, *film, few()));
+    etd::Result<std::vector<unsigned char>> bytes = film->save_memory();
+    CHECK(bytes && !bytes->empty());
+    etd::Result<etd::Film> loaded = etd::Film::load_memory(*device, *bytes);
+    CHECK(loaded && loaded->part()->count == 0 && loaded->resolution()->width == 4);
+    CHECK(etd::Film::load(*device, "no-such-file").error().status() == ETD_IO);
 }
 
 #endif

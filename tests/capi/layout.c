@@ -381,6 +381,11 @@ static void structures(void) {
     FIELD(etd_render_options, sensor_bands);
     FIELD(etd_render_options, reuse);
     FIELD(etd_render_options, reserved);
+    FIELD(etd_render_options, share_number);
+    FIELD(etd_render_options, share_count);
+    FIELD(etd_render_options, checkpoint_file);
+    FIELD(etd_render_options, checkpoint_seconds);
+    FIELD(etd_render_options, resume);
     STRUCT(etd_camera);
     FIELD(etd_camera, struct_size);
     FIELD(etd_camera, projection);

@@ -164,6 +164,41 @@ static etd_status film(struct stage *it) {
     return etd_film_new(it->device, &options, &it->film);
 }
 
+static void with_part(struct stage *it) {
+    etd_render_options options = short_render(1);
+    options.share_number = options.share_count = 1;
+    it->scene = new_scene(it->device);
+    it->film = new_film(it->device, 256, 256, ETD_LAYER_ALBEDO | ETD_LAYER_NORMAL);
+    CHECK_OK(etd_render(it->scene, it->film, &options));
+}
+
+static etd_status merge(struct stage *it) {
+    etd_film *whole = NULL;
+    return etd_film_merge(&it->film, 1, &whole);
+}
+
+static etd_status go_on(struct stage *it) {
+    etd_render_options options = short_render(2);
+    options.resume = it->film;
+    return etd_render(it->scene, it->film, &options);
+}
+
+static void with_saved_film(struct stage *it) {
+    with_part(it);
+    CHECK_OK(etd_film_save_memory(it->film, NULL, 0, &it->length));
+    it->text = malloc(it->length);
+    if (it->text == NULL) {
+        _exit(3);
+    }
+    CHECK_OK(etd_film_save_memory(it->film, it->text, it->length, NULL));
+}
+
+static etd_status save(struct stage *it) { return etd_film_save_memory(it->film, it->text, it->length, NULL); }
+
+static etd_status load(struct stage *it) {
+    return etd_film_load_memory(it->device, it->text, it->length, NULL, &it->film);
+}
+
 static const struct {
     const char *name;
     void (*prepare)(struct stage *it);
@@ -172,6 +207,8 @@ static const struct {
     {"commit of a smooth mesh", with_mesh, commit}, {"EXR", with_picture, write_exr},       {"PFM", with_picture, write_pfm},
     {"scene of a text", with_text, read_text},      {"radiosity", with_patches, radiosity}, {"paths", with_film, paths},
     {"photons", with_film, photons},                {"atlas", with_patches, atlas},      {"film", nothing, film},
+    {"saved film", with_saved_film, save},          {"loaded film", with_saved_film, load}, {"merged film", with_part, merge},
+    {"going on", with_part, go_on},
 };
 
 enum { DONE, REFUSED, OTHER, ABORTED };

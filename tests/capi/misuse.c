@@ -17,6 +17,10 @@ etd_task *task;
 etd_atlas *atlas;
 uint32_t mesh_number;
 
+/* The film as it was saved. */
+static char saved_film[1 << 16];
+static size_t saved_size;
+
 /* Memory that is no handle of any kind. */
 static union {
     unsigned char bytes[4096];
@@ -570,6 +574,55 @@ static etd_status n_film_get_summary(void) {
     etd_summary *summary = AT(1, sized_output(sizeof *summary));
     return CALL(etd_film_get_summary(FILM(0), summary));
 }
+static etd_status n_film_save(void) { return CALL(etd_film_save(FILM(0), AT(1, "misuse.film"))); }
+static etd_status n_film_save_memory(void) {
+    static char bytes[1 << 16];
+    size_t *size = output(sizeof *size);
+    return CALL(etd_film_save_memory(FILM(0), AT(1, bytes), sizeof bytes, nulls >> 1 & 1u ? size : AT(2, size)));
+}
+static etd_status n_film_load(void) {
+    etd_film_options options = ETD_FILM_OPTIONS_INIT;
+    etd_film **out = AT(3, output(sizeof *out));
+    etd_status status = CALL(etd_film_load(DEVICE(0), AT(1, "misuse.film"), AT(2, &options), out));
+    if (status == ETD_OK) {
+        etd_film_release(*out);
+    }
+    return status;
+}
+static etd_status n_film_load_memory(void) {
+    etd_film_options options = ETD_FILM_OPTIONS_INIT;
+    etd_film **out = AT(3, output(sizeof *out));
+    etd_status status;
+    status = CALL(etd_film_load_memory(DEVICE(0), AT(1, saved_film), saved_size, AT(2, &options), out));
+    if (status == ETD_OK) {
+        etd_film_release(*out);
+    }
+    return status;
+}
+static etd_status n_film_merge(void) {
+    etd_render_options options = short_render(1);
+    etd_film *part = new_film(device, 4, 4, 0);
+    etd_film **out = AT(1, output(sizeof *out));
+    etd_status status;
+    options.share_number = options.share_count = 1;
+    CHECK_OK(etd_render(scene, part, &options));
+    status = CALL(etd_film_merge(AT(0, &part), 1, out));
+    if (status == ETD_OK) {
+        etd_film_release(*out);
+    }
+    etd_film_release(part);
+    return status;
+}
+static etd_status n_film_get_resolution(void) {
+    uint32_t *width = AT(1, output(sizeof *width));
+    uint32_t *height = AT(2, output(sizeof *height));
+    return CALL(etd_film_get_resolution(FILM(0), width, height));
+}
+static etd_status n_film_get_share(void) {
+    uint32_t *number = AT(1, output(sizeof *number));
+    uint32_t *count = AT(2, output(sizeof *count));
+    return CALL(etd_film_get_share(FILM(0), number, count));
+}
 static etd_status n_render(void) {
     etd_render_options options = short_render(1);
     return CALL(etd_render(SCENE(0), FILM(1), AT(2, &options)));
@@ -916,6 +969,13 @@ static const struct {
     {"etd_film_copy", n_film_copy, 3, 5, 1},
     {"etd_film_write", n_film_write, 3, 3, 1},
     {"etd_film_get_summary", n_film_get_summary, 2, 3, 1},
+    {"etd_film_save", n_film_save, 2, 3, 1},
+    {"etd_film_save_memory", n_film_save_memory, 3, 1, 1},
+    {"etd_film_load", n_film_load, 4, 11, 1},
+    {"etd_film_load_memory", n_film_load_memory, 4, 11, 1},
+    {"etd_film_merge", n_film_merge, 2, 3, 0},
+    {"etd_film_get_resolution", n_film_get_resolution, 3, 7, 1},
+    {"etd_film_get_share", n_film_get_share, 3, 7, 1},
     {"etd_render", n_render, 3, 3, 3},
     {"etd_render_start", n_render_start, 4, 11, 3},
     {"etd_task_poll", n_task_poll, 2, 1, 1},
@@ -994,7 +1054,7 @@ static void pass_wrong_handles(void) {
                 static const char *const prefixes[5] = {"etd_device_", "etd_scene_", "etd_film_", "etd_task_",
                                                         "etd_atlas_"};
                 int makes_scene = strcmp(name, "etd_scene_new") == 0 || strncmp(name, "etd_scene_from", 14) == 0;
-                int makes_film = strcmp(name, "etd_film_new") == 0;
+                int makes_film = strcmp(name, "etd_film_new") == 0 || strncmp(name, "etd_film_load", 13) == 0;
                 int asks_scene = strncmp(name, "etd_render", 10) == 0 || strcmp(name, "etd_atlas_new") == 0;
                 const char *right = makes_scene || makes_film ? "etd_device_" : asks_scene ? "etd_scene_" : name;
                 if (kind < 5 && strncmp(right, prefixes[kind], strlen(prefixes[kind])) == 0) {
@@ -1055,6 +1115,9 @@ int main(int count, char **arguments) {
     }
     CHECK_OK(etd_render_start(scene, film, &options, &task));
     CHECK_OK(etd_task_wait(task, -1));
+    /* From now on the film knows its scene, which the calls below edit. */
+    CHECK_OK(etd_film_save(film, "misuse.film"));
+    CHECK_OK(etd_film_save_memory(film, saved_film, sizeof saved_film, &saved_size));
     {
         etd_atlas_options layout = ETD_ATLAS_OPTIONS_INIT;
         layout.resolution = MISUSE_SIDE;
@@ -1086,5 +1149,6 @@ int main(int count, char **arguments) {
     remove("misuse-mesh.mtl");
     remove("misuse.pfm");
     remove("misuse.png");
+    remove("misuse.film");
     return check_report("misuse");
 }

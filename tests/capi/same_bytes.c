@@ -1,7 +1,7 @@
 /* Renders a scene file as the command-line program does, so that a script can compare the files byte by byte.
  *
  * Usage: same_bytes SCENE SAMPLES COMMENTS IMAGE...
- * COMMENTS goes to the comments of an EXR. */
+ * COMMENTS goes to the comments of an EXR. IMAGE may be a saved film, which ends in ".film". */
 #define _POSIX_C_SOURCE 200809L
 #include "check.h"
 
@@ -31,7 +31,12 @@ int main(int count, char **arguments) {
     CHECK_OK(etd_film_new(device, &film_options, &film));
     CHECK_OK(etd_render(scene, film, &options));
     for (i = 4; i < count; ++i) {
-        CHECK_OK(etd_film_write(film, arguments[i], &image));
+        const char *dot = strrchr(arguments[i], '.');
+        if (dot != NULL && strcmp(dot, ".film") == 0) {
+            CHECK_OK(etd_film_save(film, arguments[i]));
+        } else {
+            CHECK_OK(etd_film_write(film, arguments[i], &image));
+        }
     }
     etd_film_release(film);
     etd_scene_release(scene);

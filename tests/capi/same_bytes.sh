@@ -12,8 +12,9 @@ trap 'rm -rf "$work"' EXIT
 comments="scene $scene; integrator Path; samples per pixel $samples; sampler Sobol; filter Box; maximum depth none; \
 shadow rays 1; seed 0"
 "$cli" render "$scene" --spp $samples --quiet -o "$work/rust.png" "$work/rust.pfm" "$work/rust.exr"
-"$host" "$scene" $samples "$comments" "$work/c.png" "$work/c.pfm" "$work/c.exr"
-for format in png pfm exr; do
+"$cli" render "$scene" --spp $samples --quiet --checkpoint "$work/rust.film"
+"$host" "$scene" $samples "$comments" "$work/c.png" "$work/c.pfm" "$work/c.exr" "$work/c.film"
+for format in png pfm exr film; do
     cmp "$work/rust.$format" "$work/c.$format"
 done
-echo "png, pfm and exr of $scene are the same from Rust and from C"
+echo "png, pfm, exr and checkpoint of $scene are the same from Rust and from C"

@@ -1,11 +1,12 @@
 //! How a scene is rendered, how far that is, and what it came to.
 
-use std::ffi::c_void;
+use std::ffi::{c_char, c_void};
 
 use super::numbers::{
     EtdCacheSource, EtdErrorMeasure, EtdFilter, EtdIntegrator, EtdPhotonKernel, EtdPhotonSharing, EtdRadiositySolver,
     EtdRoulette, EtdSampler, EtdSwitch,
 };
+use crate::capi::film::etd_film;
 use crate::capi::status::etd_status;
 pub use {
     etd_cache_source::*, etd_ended::*, etd_error_measure::*, etd_filter::*, etd_integrator::*, etd_phase::*,
@@ -294,6 +295,25 @@ pub struct etd_render_options {
     pub reuse: EtdSwitch,
     /// Must be 0.
     pub reserved: u32,
+
+    /// Part of the picture that is rendered, from 1 to `share_count`, where several renders, of any processes and machines, each do one;
+    /// 0 with a `share_count` of 0. `etd_film_merge` makes the picture of all parts. Adaptive sampling and `target_error` look at the whole
+    /// picture and are refused.
+    pub share_number: u32,
+    /// Number of parts, 2^16 at most; 0: the whole picture, or with `resume` the part that was begun. This and the fields below are for
+    /// pictures: light maps and light at given points refuse them.
+    pub share_count: u32,
+    /// File to which the state of the render is written every `checkpoint_seconds` and when it ends, for whatever reason, UTF-8; NULL: none.
+    /// It is replaced in one step each time. `etd_film_load` reads it. The text is read during the call that begins the render. Where the last
+    /// state cannot be written, the render is done all the same and then fails with `ETD_IO`.
+    pub checkpoint_file: *const c_char,
+    /// Seconds from one writing of `checkpoint_file` to the next, > 0; 0 means 60.
+    pub checkpoint_seconds: f64,
+    /// Film whose render goes on, also the film that is rendered to; NULL: the render begins anew. The result is that of one render
+    /// without interruption, to the last bit. Scene and options must be those of that render, and are `ETD_UNSUPPORTED` with what differs
+    /// otherwise; these may differ: `samples` with the samplers Sobol and random, `time_limit`, `target_error`, `checkpoint_file`, and what
+    /// options leave to their default. The film is reserved until the render has taken over its state, and stays as it is.
+    pub resume: *const etd_film,
 }
 
 /// A phase of work.

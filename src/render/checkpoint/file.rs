@@ -19,7 +19,7 @@ use super::super::adaptive::Stage;
 use super::header::{Header, PhotonHeader};
 use super::{Checkpoint, damaged, no_memory};
 use crate::error::{Error, ErrorKind, Result};
-use crate::film::Film;
+use crate::film::{Film, FilmOptions};
 use crate::integrator::photon::PlanState;
 
 /// The first bytes of a checkpoint. The first is no ASCII, and the last ones show when line ends were changed on the way.
@@ -131,8 +131,8 @@ impl Source<'_> {
     }
 }
 
-/// Reads a checkpoint.
-pub(super) fn read(input: &mut dyn Read) -> Result<Checkpoint> {
+/// Reads a checkpoint. `admit` hears of the film before there is room for it, and may refuse it.
+pub(super) fn read(input: &mut dyn Read, admit: &mut dyn FnMut(&FilmOptions) -> Result<()>) -> Result<Checkpoint> {
     let mut source = Source { input, bytes: Vec::new() };
     if source.more(MAGIC.len()).is_ok_and(|bytes| bytes != MAGIC) {
         return Err(Error::new(ErrorKind::InvalidScene, "this is no checkpoint of a render"));
@@ -150,7 +150,9 @@ pub(super) fn read(input: &mut dyn Read) -> Result<Checkpoint> {
     let bytes = source.end()?;
     let header: Header = serde_json::from_slice(&bytes[MAGIC.len() + 8..])
         .map_err(|error| damaged(&format!("its header is not as expected: {error}")))?;
-    let film = Film::new(header.film_options()?)?;
+    let options = header.film_options()?;
+    admit(&options)?;
+    let film = Film::new(options)?;
     let [width, height] = film.options().resolution;
     let (mut blocks, mut least) = (0_u64, 0);
     let mut stage = header.stage.map(Stage::empty);

@@ -52,6 +52,11 @@ fn no_memory(error: std::collections::TryReserveError) -> Error {
     Error::new(ErrorKind::OutOfMemory, "no room for the checkpoint").because(error)
 }
 
+/// A scene's fingerprint as a header has it.
+fn written(fingerprint: u64) -> String {
+    format!("{fingerprint:016x}")
+}
+
 /// The header of a render that has not begun.
 pub(super) fn begin(
     film: &FilmOptions,
@@ -63,7 +68,7 @@ pub(super) fn begin(
     Ok(Header {
         made_by: header::library(),
         arithmetic: header::arithmetic(scene.kernel().map(|kernel| kernel.version())),
-        scene: settings.fingerprint.map(|fingerprint| format!("{fingerprint:016x}")),
+        scene: settings.fingerprint.map(written),
         render: header::settings(desc)?,
         sensor_bands: header::bands(settings.sensor),
         film: film.into(),
@@ -85,8 +90,13 @@ impl Checkpoint {
     /// [`ErrorKind::Io`] for a file that cannot be read, [`ErrorKind::InvalidScene`] for one that is no checkpoint or was changed,
     /// [`ErrorKind::Unsupported`] for another version of the format, [`ErrorKind::OutOfMemory`]. All name the file.
     pub fn read(path: &Path) -> Result<Self> {
-        let file = crate::desc::open_file(path, u64::MAX)?;
-        Self::read_from(BufReader::with_capacity(1 << 16, file)).map_err(|error| error.in_file(Some(path), 0))
+        Self::read_admitted(path, &mut |_| Ok(()))
+    }
+
+    /// Reads a checkpoint unless `admit` refuses its film, of which it hears before there is room for it.
+    pub(crate) fn read_admitted(path: &Path, admit: &mut dyn FnMut(&FilmOptions) -> Result<()>) -> Result<Self> {
+        let mut file = BufReader::with_capacity(1 << 16, crate::desc::open_file(path, u64::MAX)?);
+        file::read(&mut file, admit).map_err(|error| error.in_file(Some(path), 0))
     }
 
     /// Reads a checkpoint from anything that has the bytes of one and no others.
@@ -94,7 +104,13 @@ impl Checkpoint {
     /// # Errors
     /// As for [`Checkpoint::read`], without the name of a file.
     pub fn read_from(mut input: impl Read) -> Result<Self> {
-        file::read(&mut input)
+        file::read(&mut input, &mut |_| Ok(()))
+    }
+
+    /// Reads a checkpoint in memory, as [`Checkpoint::read_admitted`] does a file.
+    #[cfg(feature = "capi")]
+    pub(crate) fn of_bytes(mut bytes: &[u8], admit: &mut dyn FnMut(&FilmOptions) -> Result<()>) -> Result<Self> {
+        file::read(&mut bytes, admit)
     }
 
     /// Writes the checkpoint. An existing file is replaced in one step, and stays as it is on an error.
@@ -137,6 +153,18 @@ impl Checkpoint {
     /// Number of rays traced so far.
     pub fn rays(&self) -> u64 {
         self.header.rays
+    }
+
+    /// Whether the checkpoint knows its scene by the fingerprint.
+    #[cfg(feature = "capi")]
+    pub(crate) fn knows_scene(&self) -> bool {
+        self.header.scene.is_some()
+    }
+
+    /// Says which scene the render was of.
+    #[cfg(feature = "capi")]
+    pub(crate) fn set_scene(&mut self, fingerprint: u64) {
+        self.header.scene = Some(written(fingerprint));
     }
 
     /// The part of the picture that this is; `None` for all of it.
