@@ -11,7 +11,7 @@ IMAGES ?= out/$(basename $(notdir $(SCENE))).png out/$(basename $(notdir $(SCENE
 INSTALL = CARGO='$(CARGO)' PREFIX='$(PREFIX)' LIBDIR='$(LIBDIR)' DESTDIR='$(DESTDIR)' scripts/install.sh
 ETENDUE = $(CARGO) run --quiet --release --locked --example etendue --
 
-.PHONY: all setup render test accuracy mutations bench bench-rays peers-materials gallery build install uninstall deb meshes clean
+.PHONY: all setup render test accuracy mutations cuts bench bench-rays peers-materials gallery build install uninstall deb meshes clean
 all: render
 
 # Installs Embree, libclang and a C compiler where they are missing, with a line that says why.
@@ -37,6 +37,13 @@ accuracy: setup
 # Faults of one or two percent, one at a time: the hard cases must notice each. About half an hour.
 mutations: setup
 	scripts/mutations.pl
+
+# Renders that are killed at random and gone on from, or merged from parts: their bytes are those of renders that are not cut. About
+# a quarter of an hour.
+cuts:
+	@scripts/setup.sh test
+	$(CARGO) build --quiet --release --locked --features mpi --example etendue --example etendue-mpi
+	scripts/cuts.sh
 
 # Time and error of six scenes, with a report to open in a browser: out/bench/report.html. About ten minutes the first time,
 # when references are rendered. SUITE is another suite; ARGS are further options, such as ARGS="--runs 1".

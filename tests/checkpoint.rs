@@ -394,6 +394,18 @@ fn what_was_forged_is_refused_or_harmless() {
     assert!(read > 300 && refused > 300, "{read} read, {refused} refused");
 }
 
+/// A file may have words of any length, which are not repeated whole.
+#[test]
+fn messages_are_short() {
+    let header = format!("{{\"{}\": 1}}", "n".repeat(100_000));
+    let mut forged = b"\x89ETD\r\n\x1a\n\x01\0\0\0".to_vec();
+    forged.extend((header.len() as u32).to_le_bytes());
+    forged.extend(header.into_bytes());
+    forged.extend(crc32fast::hash(&forged).to_le_bytes());
+    let message = Checkpoint::read_from(&forged[..]).unwrap_err().to_string();
+    assert!(message.contains("unknown field `nnn") && message.len() < 1000, "{message}");
+}
+
 #[test]
 fn checkpoints_are_written_while_the_render_goes_on() {
     let desc = room(GLASS);

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 use std::ptr::NonNull;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use etendue::render::{Event, Link};
 use mpi::point_to_point::MatchedReceiveVec;
@@ -12,6 +12,10 @@ use mpi::traits::*;
 
 /// The tag of these messages.
 const TAG: mpi::Tag = 1;
+
+/// How long a process attends to what it sends before it does something else. Large messages go on only while both ends ask MPI about
+/// them, and the other end does once it has looked for messages, about once a millisecond.
+const ATTENTION: Duration = Duration::from_millis(10);
 
 /// A message on its way.
 struct Sending {
@@ -24,11 +28,12 @@ struct Sending {
 pub struct MpiLink<'w> {
     world: &'w SimpleCommunicator,
     sending: VecDeque<Sending>,
+    received: VecDeque<(usize, Event)>,
 }
 
 impl<'w> MpiLink<'w> {
     pub fn new(world: &'w SimpleCommunicator) -> Self {
-        Self { world, sending: VecDeque::new() }
+        Self { world, sending: VecDeque::new(), received: VecDeque::new() }
     }
 
     /// Gives the memory of messages back that have been sent.
@@ -43,10 +48,20 @@ impl<'w> MpiLink<'w> {
         }
     }
 
+    /// Takes the messages that have arrived.
+    fn take(&mut self) {
+        while let Some(message) = self.world.any_process().immediate_matched_probe_with_tag(TAG) {
+            let rank = message.1.source_rank();
+            let (bytes, _) = message.matched_receive_vec::<u8>();
+            self.received.push_back(((rank - 1).max(0) as usize, Event::Message(bytes)));
+        }
+    }
+
     /// Waits until all messages have been sent.
     pub fn flush(&mut self) {
         while !self.sending.is_empty() {
             self.reclaim();
+            self.take();
             std::thread::sleep(Duration::from_micros(100));
         }
     }
@@ -64,15 +79,22 @@ impl Link for MpiLink<'_> {
         let view: &'static [u8] = unsafe { bytes.as_ref() };
         let request = self.world.process_at_rank(rank).immediate_send_with_tag(StaticScope, view, TAG);
         self.sending.push_back(Sending { request, bytes });
-        self.reclaim();
+        let start = Instant::now();
+        loop {
+            self.reclaim();
+            // The other end may be doing the same.
+            self.take();
+            if self.sending.is_empty() || start.elapsed() > ATTENTION {
+                return;
+            }
+            std::thread::yield_now();
+        }
     }
 
     fn receive(&mut self) -> Option<(usize, Event)> {
         self.reclaim();
-        let (message, status) = self.world.any_process().immediate_matched_probe_with_tag(TAG)?;
-        let rank = status.source_rank();
-        let (bytes, _) = (message, status).matched_receive_vec::<u8>();
-        Some(((rank - 1).max(0) as usize, Event::Message(bytes)))
+        self.take();
+        self.received.pop_front()
     }
 }
 

@@ -131,7 +131,9 @@ pub use index::SceneIndex;
 pub use integrator::{
     Bias, IntegratorDesc, IntegratorInfo, LobeSupport, LobeUse, MapRenewal, PhotonMethod, Preparation, SampleOrder,
 };
-pub(crate) use json::{below, elided};
+#[cfg(feature = "capi")]
+pub(crate) use json::below;
+pub(crate) use json::elided;
 pub use light::{LightDistribution, PointLightDesc, SpotDesc, WebDesc};
 pub(crate) use material::Body;
 pub use material::{BsdfDesc, MaterialDesc, MediumDesc};

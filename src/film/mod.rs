@@ -79,6 +79,18 @@ pub(crate) struct Tile {
 }
 
 impl Tile {
+    /// A tile without samples that has memory.
+    fn new(options: &FilmOptions) -> Self {
+        let auxiliary = if options.auxiliary { PIXELS_PER_TILE } else { 0 };
+        let gathering = if options.gathering { PIXELS_PER_TILE } else { 0 };
+        Self {
+            pixels: vec![Pixel::default(); PIXELS_PER_TILE],
+            auxiliary: vec![Auxiliary::default(); auxiliary],
+            gathering: vec![PixelPhotonState::default(); gathering],
+            changes: 0,
+        }
+    }
+
     /// Number of samples of each pixel; the tile must have allocated memory.
     pub(crate) fn counts(&self) -> [u32; PIXELS_PER_TILE] {
         std::array::from_fn(|index| self.pixels[index].count())
@@ -228,13 +240,7 @@ impl Film {
     pub(crate) fn tile(&self, tile: usize) -> MutexGuard<'_, Tile> {
         let mut tile = lock(&self.tiles[tile]);
         if tile.pixels.is_empty() {
-            tile.pixels = vec![Pixel::default(); PIXELS_PER_TILE];
-            if self.options.auxiliary {
-                tile.auxiliary = vec![Auxiliary::default(); PIXELS_PER_TILE];
-            }
-            if self.options.gathering {
-                tile.gathering = vec![PixelPhotonState::default(); PIXELS_PER_TILE];
-            }
+            *tile = Tile::new(&self.options);
         }
         tile
     }

@@ -1,6 +1,6 @@
 //! The pixels of a tile as bytes, little-endian, for files that keep a film with all that further samples need.
 
-use super::{Film, FilmOptions, REPLICATES, TILE};
+use super::{Film, FilmOptions, REPLICATES, TILE, Tile};
 
 /// Bytes of a pixel, of its first hits, of a radius that shrinks and of its photon state.
 const PIXEL: usize = REPLICATES * 24 + 16;
@@ -73,7 +73,7 @@ impl Film {
 
     /// Gives the memory of a tile back. It has no samples afterwards.
     pub(crate) fn forget_tile(&self, tile: usize) {
-        *super::lock(&self.tiles[tile]) = super::Tile::default();
+        *super::lock(&self.tiles[tile]) = Tile::default();
     }
 
     /// Indices in the tile of the pixels that lie in the image, row by row.
@@ -103,11 +103,10 @@ impl Film {
     }
 
     /// Fills a tile with pixels from [`Film::put_tile`] of a film with the same options. `None` for numbers that no render comes to, of
-    /// which some may have been taken. `bytes`: [`Film::tile_bytes`] of them.
+    /// which none are taken. `bytes`: [`Film::tile_bytes`] of them.
     pub(crate) fn get_tile(&self, number: usize, bytes: &[u8]) -> Option<()> {
         let mut bytes = Bytes(bytes);
-        let mut tile = self.tile(number);
-        tile.changes += 1;
+        let mut tile = Tile::new(&self.options);
         for index in self.tile_pixels(number) {
             tile.pixels[index] = AsBytes::get(&mut bytes)?;
             if let Some(auxiliary) = tile.auxiliary.get_mut(index) {
@@ -117,6 +116,9 @@ impl Film {
                 *gathering = AsBytes::get(&mut bytes)?;
             }
         }
+        let mut place = super::lock(&self.tiles[number]);
+        tile.changes = place.changes + 1;
+        *place = tile;
         Some(())
     }
 }
@@ -193,9 +195,12 @@ mod tests {
             (200, [0, 0, 0, 0, 1, 0, 0, 0]),
             (208, [0, 0, 0x80, 0x7f, 0, 0, 0, 0]),
         ] {
-            let mut bytes = bytes.clone();
-            bytes[place..place + 8].copy_from_slice(&value);
-            assert!(film.get_tile(0, &bytes).is_none(), "at {place}");
+            let mut changed = bytes.clone();
+            changed[place..place + 8].copy_from_slice(&value);
+            assert!(film.get_tile(0, &changed).is_none(), "at {place}");
+            let mut kept = Vec::new();
+            film.put_tile(0, &mut kept);
+            assert!(kept == bytes, "at {place}");
         }
     }
 }

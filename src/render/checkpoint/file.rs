@@ -18,6 +18,7 @@ use std::io::{Read, Write};
 use super::super::adaptive::Stage;
 use super::header::{Header, PhotonHeader};
 use super::{Checkpoint, damaged, no_memory};
+use crate::desc::elided;
 use crate::error::{Error, ErrorKind, Result};
 use crate::film::{Film, FilmOptions};
 use crate::integrator::photon::PlanState;
@@ -149,7 +150,7 @@ pub(super) fn read(input: &mut dyn Read, admit: &mut dyn FnMut(&FilmOptions) -> 
     source.more(length as usize)?;
     let bytes = source.end()?;
     let header: Header = serde_json::from_slice(&bytes[MAGIC.len() + 8..])
-        .map_err(|error| damaged(&format!("its header is not as expected: {error}")))?;
+        .map_err(|error| damaged(&format!("its header is not as expected: {}", elided(&error.to_string()))))?;
     let options = header.film_options()?;
     admit(&options)?;
     let film = Film::new(options)?;

@@ -5,7 +5,7 @@ use serde_json::Value;
 
 use super::super::share::{MAX_SHARES, Share};
 use super::damaged;
-use crate::desc::{MAX_PIXELS, RenderDesc, SamplerDesc};
+use crate::desc::{MAX_PIXELS, RenderDesc, SamplerDesc, elided};
 use crate::embree::instruction_set;
 use crate::error::{Error, ErrorKind, Result};
 use crate::film::{ErrorMeasure, FilmOptions, Placement};
@@ -182,7 +182,8 @@ impl Header {
     pub fn check(&self, there: &Self) -> Result<()> {
         let refuse = |what: &str, there: &dyn std::fmt::Display, here: &dyn std::fmt::Display| {
             let message = format!("the checkpoint was made {what} {there}, and this render {here}; expected the same");
-            Err(Error::new(ErrorKind::Unsupported, message))
+            // A file may have words of any length.
+            Err(Error::new(ErrorKind::Unsupported, elided(&message)))
         };
         if self.made_by != there.made_by {
             return refuse("by", &there.made_by, &format!("is by {}", self.made_by));
@@ -239,7 +240,7 @@ impl Header {
                 let message = format!(
                     "the checkpoint was made with `{key}` {other}, and this render has {own}; expected the same"
                 );
-                return Err(Error::new(ErrorKind::Unsupported, message));
+                return Err(Error::new(ErrorKind::Unsupported, elided(&message)));
             }
         }
         Ok(())

@@ -98,6 +98,7 @@ impl<'l> Crew<'l> {
                 let numbers = if number == self.pass { numbers } else { Vec::new() };
                 let wanted = self.dispatch.take_back(helper, self.now(), &numbers);
                 if !fill(pass.film(), &tiles, beside, &wanted) {
+                    pass.abandoned.fetch_add(wanted.len(), Ordering::AcqRel);
                     return self.lose(helper, "it has sent tiles that no render comes to", pass);
                 }
                 pass.count_done(if is_complete { wanted.len() } else { 0 }, rays, &first);
