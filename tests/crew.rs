@@ -3,6 +3,7 @@
 
 mod common;
 
+use std::collections::VecDeque;
 use std::ops::ControlFlow;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Duration;
@@ -70,6 +71,8 @@ enum Health {
     Dies(usize),
     /// It brings no tiles unless it is told to stop.
     Slow,
+    /// It hears nothing before it is told to stop for the first time, which it hears first.
+    Sleepy,
 }
 
 /// One end of channels.
@@ -80,8 +83,10 @@ struct Channels {
     own: usize,
     health: Health,
     sent: usize,
-    /// Messages of a slow helper that are not delivered yet.
+    /// Messages of a slow helper that are not delivered yet, and those that a sleepy one has not heard.
     held: Vec<Vec<u8>>,
+    unheard: VecDeque<(usize, Event)>,
+    is_awake: bool,
     is_dead: bool,
     /// Whether a slow helper was told to stop.
     is_told: bool,
@@ -89,7 +94,18 @@ struct Channels {
 
 impl Channels {
     fn new(to: Vec<Sender<(usize, Event)>>, from: Receiver<(usize, Event)>, own: usize, health: Health) -> Self {
-        Self { to, from, own, health, sent: 0, held: Vec::new(), is_dead: false, is_told: false }
+        Self {
+            to,
+            from,
+            own,
+            health,
+            sent: 0,
+            held: Vec::new(),
+            unheard: VecDeque::new(),
+            is_awake: health != Health::Sleepy,
+            is_dead: false,
+            is_told: false,
+        }
     }
 }
 
@@ -119,6 +135,11 @@ impl Link for Channels {
         if self.is_dead {
             return Some((0, Event::Lost("this machine is on fire".to_owned())));
         }
+        if self.is_awake
+            && let Some(received) = self.unheard.pop_front()
+        {
+            return Some(received);
+        }
         let received = self.from.try_recv().ok()?;
         let is =
             |name: &[u8]| matches!(&received.1, Event::Message(bytes) if bytes.windows(4).any(|bytes| bytes == name));
@@ -128,6 +149,11 @@ impl Link for Channels {
                 let _ = self.to[0].send((self.own, Event::Message(message)));
             }
         }
+        if !self.is_awake && !is(b"Stop") {
+            self.unheard.push_back(received);
+            return None;
+        }
+        self.is_awake = true;
         Some(received)
     }
 }
@@ -241,6 +267,19 @@ fn what_lost_and_slow_helpers_had_is_rendered_by_others() {
         };
         assert!([1, 2, 3].into_iter().all(lost) && !lost(4), "{:?}", summary.notes);
     }
+}
+
+/// What is learnt from photons is learnt pass by pass, also by a helper that others were faster than in the first passes.
+#[test]
+fn a_helper_that_has_missed_passes_comes_to_the_same_bits() {
+    let scene = built(GLASS);
+    let settings = settings(IntegratorDesc::Sppm);
+    let (expected, _) = alone(&scene, &settings);
+    let helpers = [Health::Sleepy, Health::Well].map(|health| (settings.clone(), health));
+    let render = Render::new(&scene, settings.clone()).unwrap();
+    let (render, summary, outcomes) = with_helpers(&scene, render, &helpers, &mut go_on);
+    assert!(outcomes.iter().all(Result::is_ok), "{outcomes:?}");
+    assert!(bits(&render.image()) == expected, "{:?}", summary.notes);
 }
 
 #[test]

@@ -88,6 +88,7 @@ fn what_is_wrong_is_said_once() {
             &["render", &room, "--integrator", "path", "--spectral", "--spectral-layers", "8", "-o", "a.exr"],
             "etendue for",
         ),
+        (&["render", &room, "--frames", "1-3", "-o", "a#.png"], "nothing in the scene moves"),
         // The first process knows it only when the others wait for tiles.
         (&["render", &room, "--integrator", "sppm", "--reuse", "-o", "a.png"], "reuse"),
     ] {

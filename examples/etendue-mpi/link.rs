@@ -100,6 +100,11 @@ impl Link for MpiLink<'_> {
 
 impl Drop for MpiLink<'_> {
     fn drop(&mut self) {
+        if std::thread::panicking() {
+            // The job is about to be aborted, and MPI may still read what is on its way.
+            std::mem::take(&mut self.sending).into_iter().for_each(std::mem::forget);
+            return;
+        }
         self.flush();
     }
 }

@@ -28,8 +28,9 @@ mod scene_files;
 mod stats;
 
 use std::ops::ControlFlow;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process::ExitCode;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use clap::{Args, Parser, Subcommand};
 use etendue::desc::{self, SceneDesc};
@@ -68,6 +69,9 @@ struct MpiArgs {
     scene_per_rank: bool,
 }
 
+/// How long a process that fails waits for the first one to say why all do.
+const GRACE: Duration = Duration::from_secs(5);
+
 fn main() -> ExitCode {
     // Workers render, and the main thread alone sends and receives.
     let Some((universe, threading)) = mpi::initialize_with_threading(Threading::Funneled) else {
@@ -88,8 +92,11 @@ fn main() -> ExitCode {
             console::say("error: this MPI cannot be used by programs with threads");
             1
         }
-        Ok(Cli { command: Command::Render(args) }) if is_leader => lead(&world, &args),
-        Ok(Cli { command: Command::Render(args) }) => follow(&world, &args),
+        Ok(Cli { command: Command::Render(args) }) => {
+            let work = || if is_leader { lead(&world, &args) } else { follow(&world, &args) };
+            // The others would wait for a process that has panicked.
+            catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| world.abort(1))
+        }
     };
     ExitCode::from(code)
 }
@@ -173,6 +180,8 @@ fn follow(world: &SimpleCommunicator, args: &MpiArgs) -> u8 {
     match assist(world, args) {
         Ok(code) => code,
         Err(failure) => {
+            // What is wrong for all, the first process has found too, and says.
+            std::thread::sleep(GRACE);
             Failure::running(format!("rank {}: {failure}", world.rank())).say();
             // The others would wait for this process for ever.
             world.abort(1);

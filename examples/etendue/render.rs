@@ -125,6 +125,7 @@ pub fn render(args: &RenderArgs, runner: &mut impl Runner) -> Result<u8, Failure
     let options = LoadOptions { progress: Some(console::reading_images(args.quiet)), ..args.choices() };
     let description = desc::load_with(&args.scene, args.params.as_deref(), &options)?;
     description.warnings.iter().for_each(console::warn);
+    check_times(args, &description)?;
     runner.has_read(&description)?;
     let workers = Workers::pool(args.threads)?;
     for_each_frame(args, description, began, true, |description, scene, number, build_time| {
@@ -146,14 +147,12 @@ pub fn for_each_frame(
     mut each: impl FnMut(&SceneDesc, &Scene, Option<u32>, Duration) -> Result<u8, Failure>,
 ) -> Result<u8, Failure> {
     if let Some(time) = args.time_at {
-        still(&description, "--time-at")?;
         description.set_shutter(ShutterDesc::at(time))?;
     }
     let Some(frames) = args.frames else {
         let scene = build(&description, args.threads, speaks)?;
         return each(&description, &scene, None, began.elapsed());
     };
-    still(&description, "--frames")?;
     let relative = description.motion.shutter.clone();
     let seed = args.seed.unwrap_or(description.render.seed);
     let mut scene: Option<Scene> = None;
@@ -188,9 +187,11 @@ pub fn for_each_frame(
     Ok(0)
 }
 
-/// Refuses an option about time for a scene in which nothing moves.
-fn still(description: &SceneDesc, option: &str) -> Result<(), Failure> {
-    if description.motion.is_empty() {
+/// Refuses options about time for a scene in which nothing moves.
+fn check_times(args: &RenderArgs, description: &SceneDesc) -> Result<(), Failure> {
+    let given = [("--time-at", args.time_at.is_some()), ("--frames", args.frames.is_some())];
+    let option = given.iter().find(|(_, is_given)| *is_given).map(|(option, _)| option);
+    if let (Some(option), true) = (option, description.motion.is_empty()) {
         let message =
             format!("{option}: nothing in the scene moves, expected one with keyframes (`motion`) or `steps`");
         return Err(Failure::usage(message));

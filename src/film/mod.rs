@@ -217,6 +217,12 @@ impl Film {
         self.options.placement.map_or([0; 2], |placement| placement.origin)
     }
 
+    /// Whether a pixel of the picture is one of the film.
+    pub(crate) fn has_pixel(&self, pixel: [u32; 2]) -> bool {
+        let origin = self.origin();
+        (0..2).all(|axis| pixel[axis].checked_sub(origin[axis]).is_some_and(|at| at < self.options.resolution[axis]))
+    }
+
     /// Width of the picture that the film is, or is a part of.
     #[inline]
     pub(crate) fn picture_width(&self) -> u32 {

@@ -312,7 +312,7 @@ pub struct etd_render_options {
     /// Film whose render goes on, also the film that is rendered to; NULL: the render begins anew. The result is that of one render
     /// without interruption, to the last bit. Scene and options must be those of that render, and are `ETD_UNSUPPORTED` with what differs
     /// otherwise; these may differ: `samples` with the samplers Sobol and random, `time_limit`, `target_error`, `checkpoint_file`, and what
-    /// options leave to their default. The film is reserved until the render has taken over its state, and stays as it is.
+    /// options leave to their default. The film is reserved until the render has taken over its state or its task is released, and stays as it is.
     pub resume: *const etd_film,
 }
 

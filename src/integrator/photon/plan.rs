@@ -271,6 +271,12 @@ impl<C: Spectrum> Plan<C> {
                 return Ok(gather);
             }
         }
+        if self.is_progressive() {
+            // What is known of the surface is learnt pass by pass. A helper may have left passes out that others were faster with.
+            for missed in self.known.map_or(0, |known| known + 1)..pass {
+                self.make(missed, parallel, |_, _, _, _| Ok(()))?;
+            }
+        }
         let gather = self.make(pass, parallel, complete)?;
         self.made = Some((pass, gather.clone()));
         Ok(gather)

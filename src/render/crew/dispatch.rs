@@ -6,12 +6,15 @@ use std::collections::BTreeMap;
 const MOST_TILES: usize = 256;
 
 /// Greatest number of batches that a helper has at a time: one that it renders, and one on its way.
-const MOST_BATCHES: usize = 2;
+pub(super) const MOST_BATCHES: usize = 2;
 
 /// A tile that is out with a helper is given to a second one, which has nothing else to do, after this many times as long as the slowest
 /// batch that came back, and this many seconds more; after so many seconds where none came back.
 const LATE: (f64, f64) = (2.0, 0.5);
 const LATE_AT_FIRST: f64 = 2.0;
+
+/// The leader takes a tile over after so many times as long as that, and this many seconds more.
+const TOO_LATE: (f64, f64) = (4.0, 10.0);
 
 /// Tiles that were given to helpers and have not come back.
 #[derive(Debug, Default)]
@@ -67,7 +70,8 @@ impl Dispatch {
     /// anyone, and `claim` takes one of them.
     ///
     /// Half of what is left is spread over all threads at a time, so that batches are large at first, and small towards the end, where
-    /// all are to be done at the same time (guided self-scheduling, Polychronopoulos and Kuck 1987).
+    /// all are to be done at the same time (guided self-scheduling, Polychronopoulos and Kuck 1987). A helper has something to do for all of
+    /// its threads, since their tiles take no longer together than one of them.
     pub fn give(
         &mut self,
         helper: usize,
@@ -80,7 +84,7 @@ impl Dispatch {
             return Vec::new();
         }
         let all = self.own_threads + self.helpers.iter().filter_map(|helper| helper.threads).sum::<usize>();
-        let size = (left * threads / (2 * all)).clamp(1, MOST_TILES);
+        let size = (left * threads / (2 * all)).clamp(threads.min(MOST_TILES), MOST_TILES);
         let mut tiles: Vec<usize> = std::iter::from_fn(&mut claim).take(size).collect();
         for tile in &tiles {
             self.out.insert(*tile, Out { holders: Vec::new(), since: now });
@@ -99,9 +103,22 @@ impl Dispatch {
 
     /// Tiles that one other helper has for longer than is usual.
     fn late(&self, helper: usize, now: f64, most: usize) -> Vec<usize> {
-        let usual = if self.longest > 0.0 { LATE.0 * self.longest + LATE.1 } else { LATE_AT_FIRST };
+        let usual = self.usual();
         let is_late = |out: &Out| out.holders.len() == 1 && out.holders[0] != helper && now - out.since > usual;
         self.out.iter().filter(|(_, out)| is_late(out)).map(|(tile, _)| *tile).take(most).collect()
+    }
+
+    /// The time after which a tile that is out is late [s].
+    fn usual(&self) -> f64 {
+        if self.longest > 0.0 { LATE.0 * self.longest + LATE.1 } else { LATE_AT_FIRST }
+    }
+
+    /// Takes tiles away from helpers that have them for so long that nobody waits for them any more. Returns how many.
+    pub fn take_over(&mut self, now: f64) -> usize {
+        let limit = TOO_LATE.0 * self.usual() + TOO_LATE.1;
+        let before = self.out.len();
+        self.out.retain(|_, out| now - out.since <= limit);
+        before - self.out.len()
     }
 
     /// A batch has come back from a helper at the time `now` [s]. Returns those of its tiles that are wanted: not those that another one
@@ -237,6 +254,20 @@ mod tests {
         assert!(done.iter().all(|times| *times == 1));
         let ideal = 4096.0 / (14.0 * 4.0);
         assert!(time < 1.5 * ideal, "{time} where {ideal} is possible");
+    }
+
+    #[test]
+    fn tiles_that_do_not_come_back_are_taken_over() {
+        let mut dispatch = Dispatch::new(1, 1);
+        dispatch.greet(0, 2);
+        let mut next = 0..8;
+        assert_eq!(dispatch.give(0, 0.0, 8, || next.next()), [0, 1]);
+        assert_eq!(dispatch.give(0, 0.0, 6, || next.next()), [2, 3]);
+        assert!(dispatch.give(0, 0.0, 4, || next.next()).is_empty(), "two batches are enough");
+        assert_eq!(dispatch.take_back(0, 1.0, &[0, 1]), [0, 1]);
+        assert_eq!((dispatch.take_over(20.0), dispatch.out()), (0, 2));
+        assert_eq!((dispatch.take_over(20.1), dispatch.out()), (2, 0), "after 4 (2 + 0.5) + 10 s");
+        assert!(dispatch.take_back(0, 30.0, &[2, 3]).is_empty());
     }
 
     #[test]

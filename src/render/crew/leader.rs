@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use super::super::checkpoint::Checkpoint;
 use super::super::pass::Pass;
-use super::dispatch::Dispatch;
+use super::dispatch::{Dispatch, MOST_BATCHES};
 use super::message::Message;
 use super::{Event, Link};
 use crate::error::Result;
@@ -76,8 +76,15 @@ impl<'l> Crew<'l> {
         if pass.is_stopped() {
             self.stop(pass);
         } else {
-            for helper in 0..self.link.peers() {
+            // Each has one before one has two.
+            let peers = self.link.peers();
+            for helper in (0..MOST_BATCHES).flat_map(|_| 0..peers) {
                 self.give(helper, pass);
+            }
+            if pass.left() == 0 {
+                // They become a pass of their own, of which late answers of this one are no part.
+                let taken = self.dispatch.take_over(self.now());
+                pass.abandoned.fetch_add(taken, Ordering::AcqRel);
             }
         }
         pass.out.store(self.dispatch.out(), Ordering::Release);
@@ -97,6 +104,10 @@ impl<'l> Crew<'l> {
                 // A batch of an earlier pass is that of a helper that was late, and nobody waits for it.
                 let numbers = if number == self.pass { numbers } else { Vec::new() };
                 let wanted = self.dispatch.take_back(helper, self.now(), &numbers);
+                // Only what is wanted of this pass can be replayed, and only what is in the picture.
+                let first = if wanted.is_empty() { Vec::new() } else { first };
+                let is_inside = |&(_, y, x): &(u32, u32, u32)| pass.film().has_pixel([x, y]);
+                let first: Vec<_> = first.into_iter().filter(is_inside).collect();
                 if !fill(pass.film(), &tiles, beside, &wanted) {
                     pass.abandoned.fetch_add(wanted.len(), Ordering::AcqRel);
                     return self.lose(helper, "it has sent tiles that no render comes to", pass);
@@ -119,23 +130,21 @@ impl<'l> Crew<'l> {
     }
 
     fn give(&mut self, helper: usize, pass: &Pass) {
-        loop {
-            let tiles = self.dispatch.give(helper, self.start.elapsed().as_secs_f64(), pass.left(), || pass.claim());
-            if tiles.is_empty() {
-                return;
-            }
-            let mut beside = Vec::new();
-            let mut list = Vec::new();
-            for tile in tiles {
-                if let Some(goals) = &pass.goals {
-                    let pixels = pass.film().pixels_of_tile(tile);
-                    pixels.for_each(|pixel| beside.extend(goals[pixel].to_le_bytes()));
-                }
-                list.push((tile as u32, pass.film().put_tile(tile, &mut beside)));
-            }
-            let message = Message::Tiles { pass: self.pass, tiles: list, goals: pass.goals.is_some() };
-            self.link.send(helper, message.bytes(&beside));
+        let tiles = self.dispatch.give(helper, self.start.elapsed().as_secs_f64(), pass.left(), || pass.claim());
+        if tiles.is_empty() {
+            return;
         }
+        let mut beside = Vec::new();
+        let mut list = Vec::new();
+        for tile in tiles {
+            if let Some(goals) = &pass.goals {
+                let pixels = pass.film().pixels_of_tile(tile);
+                pixels.for_each(|pixel| beside.extend(goals[pixel].to_le_bytes()));
+            }
+            list.push((tile as u32, pass.film().put_tile(tile, &mut beside)));
+        }
+        let message = Message::Tiles { pass: self.pass, tiles: list, goals: pass.goals.is_some() };
+        self.link.send(helper, message.bytes(&beside));
     }
 
     /// Tells helpers to stop, and gives up those that do not answer.
@@ -172,6 +181,8 @@ impl<'l> Crew<'l> {
 
 impl Drop for Crew<'_> {
     fn drop(&mut self) {
+        // Nobody is to finish what is no longer needed.
+        self.tell_all(&Message::Stop { pass: self.pass }, &[]);
         self.tell_all(&Message::End, &[]);
     }
 }
