@@ -8,6 +8,10 @@ const MOST_TILES: usize = 256;
 /// Greatest number of batches that a helper has at a time: one that it renders, and one on its way.
 pub(super) const MOST_BATCHES: usize = 2;
 
+/// All threads together are given one of so many parts of the tiles that are left. Two batches of a helper that is a quarter as fast as the
+/// others are then less than its share of all tiles.
+const PART: usize = 6;
+
 /// A tile that is out with a helper is given to a second one, which has nothing else to do, after this many times as long as the slowest
 /// batch that came back, and this many seconds more; after so many seconds where none came back.
 const LATE: (f64, f64) = (2.0, 0.5);
@@ -69,9 +73,10 @@ impl Dispatch {
     /// The tiles to give to a helper at the time `now` [s], none where it has enough or there are none. `left` tiles were not given to
     /// anyone, and `claim` takes one of them.
     ///
-    /// Half of what is left is spread over all threads at a time, so that batches are large at first, and small towards the end, where
-    /// all are to be done at the same time (guided self-scheduling, Polychronopoulos and Kuck 1987). A helper has something to do for all of
-    /// its threads, since their tiles take no longer together than one of them.
+    /// A part of what is left is spread over all threads at a time, so that batches are large at first, and small towards the end, where
+    /// all are to be done at the same time (guided self-scheduling, Polychronopoulos and Kuck 1987). Batches have as many tiles for each
+    /// thread of the helper, since these take no longer together than one of them, and none is smaller: where a second batch, which
+    /// is rendered after the first, would be, there is none.
     pub fn give(
         &mut self,
         helper: usize,
@@ -84,7 +89,12 @@ impl Dispatch {
             return Vec::new();
         }
         let all = self.own_threads + self.helpers.iter().filter_map(|helper| helper.threads).sum::<usize>();
-        let size = (left * threads / (2 * all)).clamp(threads.min(MOST_TILES), MOST_TILES);
+        let least = threads.min(MOST_TILES);
+        let size = (left * threads / (PART * all)).min(MOST_TILES);
+        if batches > 0 && size < least {
+            return Vec::new();
+        }
+        let size = (size / least * least).max(least);
         let mut tiles: Vec<usize> = std::iter::from_fn(&mut claim).take(size).collect();
         for tile in &tiles {
             self.out.insert(*tile, Out { holders: Vec::new(), since: now });
@@ -260,10 +270,10 @@ mod tests {
     fn tiles_that_do_not_come_back_are_taken_over() {
         let mut dispatch = Dispatch::new(1, 1);
         dispatch.greet(0, 2);
-        let mut next = 0..8;
-        assert_eq!(dispatch.give(0, 0.0, 8, || next.next()), [0, 1]);
-        assert_eq!(dispatch.give(0, 0.0, 6, || next.next()), [2, 3]);
-        assert!(dispatch.give(0, 0.0, 4, || next.next()).is_empty(), "two batches are enough");
+        let mut next = 0..;
+        assert_eq!(dispatch.give(0, 0.0, 20, || next.next()), [0, 1]);
+        assert_eq!(dispatch.give(0, 0.0, 18, || next.next()), [2, 3]);
+        assert!(dispatch.give(0, 0.0, 16, || next.next()).is_empty(), "two batches are enough");
         assert_eq!(dispatch.take_back(0, 1.0, &[0, 1]), [0, 1]);
         assert_eq!((dispatch.take_over(20.0), dispatch.out()), (0, 2));
         assert_eq!((dispatch.take_over(20.1), dispatch.out()), (2, 0), "after 4 (2 + 0.5) + 10 s");
