@@ -71,8 +71,8 @@ enum Health {
     Dies(usize),
     /// It brings no tiles unless it is told to stop.
     Slow,
-    /// It hears nothing before it is told to stop for the first time, which it hears first.
-    Sleepy,
+    /// It hears nothing before it is told to stop for so many times, the last of which it hears first.
+    Sleepy(u32),
 }
 
 /// One end of channels.
@@ -86,7 +86,7 @@ struct Channels {
     /// Messages of a slow helper that are not delivered yet, and those that a sleepy one has not heard.
     held: Vec<Vec<u8>>,
     unheard: VecDeque<(usize, Event)>,
-    is_awake: bool,
+    stops: u32,
     is_dead: bool,
     /// Whether a slow helper was told to stop.
     is_told: bool,
@@ -102,7 +102,7 @@ impl Channels {
             sent: 0,
             held: Vec::new(),
             unheard: VecDeque::new(),
-            is_awake: health != Health::Sleepy,
+            stops: 0,
             is_dead: false,
             is_told: false,
         }
@@ -135,7 +135,9 @@ impl Link for Channels {
         if self.is_dead {
             return Some((0, Event::Lost("this machine is on fire".to_owned())));
         }
-        if self.is_awake
+        let health = self.health;
+        let is_asleep = |stops| matches!(health, Health::Sleepy(until) if stops < until);
+        if !is_asleep(self.stops)
             && let Some(received) = self.unheard.pop_front()
         {
             return Some(received);
@@ -149,11 +151,11 @@ impl Link for Channels {
                 let _ = self.to[0].send((self.own, Event::Message(message)));
             }
         }
-        if !self.is_awake && !is(b"Stop") {
+        self.stops += u32::from(is(b"Stop"));
+        if is_asleep(self.stops) {
             self.unheard.push_back(received);
             return None;
         }
-        self.is_awake = true;
         Some(received)
     }
 }
@@ -273,9 +275,11 @@ fn what_lost_and_slow_helpers_had_is_rendered_by_others() {
 #[test]
 fn a_helper_that_has_missed_passes_comes_to_the_same_bits() {
     let scene = built(GLASS);
-    let settings = settings(IntegratorDesc::Sppm);
+    let base = settings(IntegratorDesc::Sppm);
+    let settings = RenderSettings { desc: RenderDesc { samples: 64, ..base.desc.clone() }, ..base };
     let (expected, _) = alone(&scene, &settings);
-    let helpers = [Health::Sleepy, Health::Well].map(|health| (settings.clone(), health));
+    // The first photons are those of four samples, which take two passes.
+    let helpers = [Health::Sleepy(4), Health::Well].map(|health| (settings.clone(), health));
     let render = Render::new(&scene, settings.clone()).unwrap();
     let (render, summary, outcomes) = with_helpers(&scene, render, &helpers, &mut go_on);
     assert!(outcomes.iter().all(Result::is_ok), "{outcomes:?}");

@@ -70,7 +70,7 @@ impl Inbox<'_> {
                     return Err(Error::new(ErrorKind::Io, format!("the process that leads the render is lost: {why}")));
                 }
                 Event::Message(bytes) => match Message::read(&bytes)?.0 {
-                    Message::Stop { pass } => self.stopped = pass,
+                    Message::Stop { pass } => self.stopped = self.stopped.max(pass),
                     _ => self.waiting.push_back(bytes),
                 },
             }
@@ -142,6 +142,11 @@ impl<'s> Helper<'s> {
 
     /// Prepares a pass, unless it is stopped meanwhile.
     fn prepare(&mut self, number: u64, inbox: &mut Inbox) -> Result<()> {
+        if inbox.stopped >= number {
+            // Others were faster. What a later pass needs of this one is made for it.
+            self.is_prepared = false;
+            return Ok(());
+        }
         let render = self.render.as_mut().ok_or_else(unexpected)?;
         let schedule = Schedule::new(&render.settings, 1, false);
         let mut failure = None;
