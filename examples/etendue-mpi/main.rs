@@ -109,7 +109,8 @@ fn agree(world: &SimpleCommunicator, mut goes_on: bool) -> bool {
 
 /// The process of rank 0.
 fn lead(world: &SimpleCommunicator, args: &MpiArgs) -> u8 {
-    let mut leader = Leader { world, link: MpiLink::new(world), args, has_read: false, is_building: false, run: None };
+    let mut leader =
+        Leader { world, link: MpiLink::new(world), args, has_read: false, is_building: false, was_led: false };
     let outcome = if args.render.spectral_layers.is_some() {
         let message =
             "--spectral-layers: these films are rendered by one process, expected the program etendue for them";
@@ -138,7 +139,7 @@ struct Leader<'w> {
     /// Whether the others expect a frame.
     is_building: bool,
     /// Whether the others were led through the present frame.
-    run: Option<()>,
+    was_led: bool,
 }
 
 impl Runner for Leader<'_> {
@@ -160,12 +161,12 @@ impl Runner for Leader<'_> {
         render: &mut Render,
         progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
     ) -> etendue::Result<Summary> {
-        self.run = Some(());
+        self.was_led = true;
         render.run_with(&mut Crew::new(&mut self.link), progress)
     }
 
     fn end_frame(&mut self, is_last: bool) {
-        if self.run.take().is_none() {
+        if !std::mem::take(&mut self.was_led) {
             // The frame failed before it began: the others are no longer to wait for it.
             drop(Crew::new(&mut self.link));
         }

@@ -206,10 +206,7 @@ impl Render {
         };
         settings.check_parts(is_of_places.then(|| method.place_name()), adaptive == Ok(true))?;
         let header = checkpoint::begin(film.options(), &shared, &settings, adaptive == Ok(true), &scene)?;
-        let workers = match &settings.workers {
-            Some(workers) => workers.clone(),
-            None => Workers::pool(settings.threads)?,
-        };
+        let workers = settings.own_workers()?;
         Ok(Self {
             scene,
             desc: shared,
@@ -626,10 +623,7 @@ pub(crate) fn with_workers<R>(
     progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
     work: impl FnOnce(&mut WorkerPool) -> Result<R>,
 ) -> Result<R> {
-    let workers = match &settings.workers {
-        Some(workers) => workers.clone(),
-        None => Workers::pool(settings.threads)?,
-    };
+    let workers = settings.own_workers()?;
     let deadline = settings.time_limit.and_then(|limit| Instant::now().checked_add(limit));
     let mut callback = |fraction| progress(fraction).is_break();
     work(&mut WorkerPool::new(&workers, &settings.cancel, deadline, &mut callback))

@@ -54,6 +54,14 @@ pub struct RenderSettings {
 }
 
 impl RenderSettings {
+    /// The workers that the settings name, or a pool that is started now.
+    ///
+    /// # Errors
+    /// Those of [`Workers::pool`].
+    pub(super) fn own_workers(&self) -> Result<Workers> {
+        self.workers.as_ref().map_or_else(|| Workers::pool(self.threads), |workers| Ok(workers.clone()))
+    }
+
     /// Checks what is not possible for a part of a picture, and for what is no picture but `place`.
     ///
     /// # Errors

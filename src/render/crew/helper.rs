@@ -93,10 +93,7 @@ struct Helper<'s> {
 
 impl<'s> Helper<'s> {
     fn new(scene: &'s Scene, settings: RenderSettings) -> Result<Self> {
-        let workers = match &settings.workers {
-            Some(workers) => workers.clone(),
-            None => Workers::pool(settings.threads)?,
-        };
+        let workers = settings.own_workers()?;
         let settings = RenderSettings {
             workers: Some(workers.clone()),
             time_limit: None,

@@ -130,7 +130,8 @@ impl<'l> Crew<'l> {
     }
 
     fn give(&mut self, helper: usize, pass: &Pass) {
-        let tiles = self.dispatch.give(helper, self.start.elapsed().as_secs_f64(), pass.left(), || pass.claim());
+        let now = self.now();
+        let tiles = self.dispatch.give(helper, now, pass.left(), || pass.claim());
         if tiles.is_empty() {
             return;
         }
