@@ -2164,9 +2164,12 @@ typedef struct etd_render_options {
      */
     etd_switch reuse;
     /**
-     * Must be 0.
+     * An `etd_switch`: whether light paths, from lamps by way of mirrors and glass to what the camera sees, find caustics beside the paths
+     * from the camera, by `ETD_INTEGRATOR_PATH` alone. The picture stays unbiased. On is refused where `reuse` is, and with `max_depth`, the
+     * filter `ETD_FILTER_MITCHELL`, the sampler `ETD_SAMPLER_GAUSSIAN`, and cameras that are not in perspective or have a lens. By default, a
+     * pilot of a long render says, where it is not refused.
      */
-    uint32_t reserved;
+    etd_switch light_paths;
     /**
      * Part of the picture that is rendered, from 1 to `share_count`, where several renders, of any processes and machines, each do one;
      * 0 with a `share_count` of 0. `etd_film_merge` makes the picture of all parts. Adaptive sampling and `target_error` look at the whole

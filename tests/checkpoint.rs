@@ -126,6 +126,7 @@ fn what_differs_from_pixel_to_pixel_is_kept() {
         ("adaptive", of(|it| (it.adaptive, it.desc.samples) = (Some(true), 100))),
         ("a target error", of(|it| (it.target_error, it.desc.samples) = (Some(0.02), 1 << 12))),
         ("shared hits", of(|it| it.desc.reuse = Some(true))),
+        ("light paths", of(|it| (it.desc.light_paths, it.desc.filter) = (Some(true), FilterDesc::Tent))),
         ("wavelengths", of(|it| it.desc.spectral = true)),
         ("a pattern", of(|it| it.desc.sampler = SamplerDesc::Jittered)),
     ];
@@ -140,14 +141,18 @@ fn what_differs_from_pixel_to_pixel_is_kept() {
 fn what_the_settings_leave_open_is_that_of_the_checkpoint() {
     let scene = built(&room(GLASS));
     let mut asked = settings(IntegratorDesc::Path);
-    asked.desc.reuse = Some(true);
+    (asked.desc.reuse, asked.desc.light_paths, asked.desc.filter) = (Some(true), Some(true), FilterDesc::Box);
     let whole = finish(Render::new(&scene, asked.clone()).unwrap());
     let mut begun = Render::new(&scene, asked.clone()).unwrap();
     begun.run(&mut |_| ControlFlow::Break(())).unwrap();
-    asked.desc.reuse = None;
+    (asked.desc.reuse, asked.desc.light_paths) = (None, None);
     let open = RenderSettings { auxiliary: false, ..asked };
-    let more = finish(Render::resume(&scene, open, begun.checkpoint().unwrap()).unwrap());
+    let more = finish(Render::resume(&scene, open.clone(), begun.checkpoint().unwrap()).unwrap());
     assert!(bits(&whole.image()) == bits(&more.image()));
+    let mut without = open;
+    without.desc.light_paths = Some(false);
+    let error = Render::resume(&scene, without, begun.checkpoint().unwrap()).err().expect("it is another render");
+    assert!(error.message().contains("with light paths, and this render is without them"), "{error}");
 }
 
 #[test]

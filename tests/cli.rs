@@ -433,6 +433,37 @@ fn pixels_share_hits_where_that_is_asked_for() {
 }
 
 #[test]
+fn light_paths_are_traced_where_that_is_asked_for() {
+    let folder = folder();
+    let caustic = fs::read_to_string(scene("caustic.json")).unwrap();
+    let mut described: serde_json::Value = serde_json::from_str(&caustic).unwrap();
+    described["render"]["integrator"] = serde_json::json!({"type": "path", "lightPaths": true});
+    fs::write(folder.path().join("lit.json"), described.to_string()).unwrap();
+    let render = |scene: &str, more: &[&str]| etendue(folder.path(), small_render(scene, more));
+    let traces = |scene: &str, more: &[&str]| {
+        render(scene, &[more, &["-q", "-o", "x.pfm", "--stats", "stats.json"]].concat()).assert_done();
+        let text = fs::read_to_string(folder.path().join("stats.json")).unwrap();
+        let stats: serde_json::Value = serde_json::from_str(&text).unwrap();
+        stats["settings"]["lightPaths"].as_bool().unwrap()
+    };
+    let plain = scene("caustic.json");
+    assert!(
+        !traces(&plain, &[]) && traces(&plain, &["--light-paths"]) && traces(&plain, &["--light-paths=on", "--reuse"])
+    );
+    assert!(traces("lit.json", &[]) && !traces("lit.json", &["--light-paths=off"]));
+    // Another integrator takes the place of the scene's together with its settings.
+    assert!(!traces("lit.json", &["--integrator", "direct"]) && !traces("lit.json", &["--integrator", "path"]));
+    // In a scene without mirrors and glass there is nothing that they would find.
+    assert!(!traces(&scene("cornell.json"), &["--light-paths"]));
+    let run = render("lit.json", &["--integrator", "sppm", "--light-paths", "-o", "y.pfm"]);
+    run.assert_refused("render.integrator.lightPaths is true, and sppm traces none to the camera; expected false, or the integrator path");
+    render("lit.json", &["--light-paths=yes", "-o", "y.pfm"]).assert_refused_by_grammar("--light-paths[=<on|off>]");
+    let bake = etendue(folder.path(), ["bake", "lit.json", "-o", "light", "--spp", "1", "--resolution", "64"]);
+    bake.assert_refused("render.integrator.lightPaths is true, and a light map has no camera");
+    assert!(!folder.path().join("y.pfm").exists());
+}
+
+#[test]
 fn spectral_layers_are_channels_of_an_exr() {
     let folder = folder();
     let scene = scene("cornell.json");

@@ -210,7 +210,10 @@ fn check(scene: &Scene, settings: &RenderSettings) {
     assert!(outcomes.iter().all(Result::is_ok), "{what:?}: {outcomes:?}");
     assert!(bits(&render.image()) == expected, "{what:?} has other bits");
     assert_eq!(summary.rel_mse, before.rel_mse, "{what:?}");
-    assert_eq!((summary.samples, summary.ended, summary.reuse), (before.samples, before.ended, before.reuse));
+    assert_eq!(
+        (summary.samples, summary.ended, summary.reuse, summary.light_paths),
+        (before.samples, before.ended, before.reuse, before.light_paths)
+    );
     // What a radiosity solution took is all that differs.
     let is_timed = |note: &String| note.starts_with("radiosity");
     let [after, before] =
@@ -242,6 +245,8 @@ fn adaptive_renders_and_shared_hits_have_the_same_bits_with_helpers() {
     };
     check(&painted, &aimed);
     check(&painted, &RenderSettings { desc: RenderDesc { reuse: Some(true), ..path.desc.clone() }, ..path.clone() });
+    let lit = RenderDesc { light_paths: Some(true), filter: FilterDesc::Tent, ..path.desc.clone() };
+    check(&glass, &RenderSettings { desc: lit, ..path.clone() });
     check(&glass, &RenderSettings { desc: RenderDesc { spectral: true, ..path.desc.clone() }, ..path });
 }
 

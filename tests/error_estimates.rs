@@ -142,13 +142,23 @@ fn intervals_hold_the_truth_and_estimates_are_the_error() {
     // Near a lamp, the ceiling is 25 times as bright as elsewhere, and few paths meet that: means of 64 samples are skewed
     // there, and seven degrees of freedom of what is skewed hold less.
     let near = ("near a lamp", build(&point(0.8, lambert(0.6, 0.6, 0.6))));
-    for (number, (name, scene)) in scenes().into_iter().chain([near]).enumerate() {
+    // A caustic, by light paths. Without them few samples meet it.
+    let mut glass = walls(lambert(0.5, 0.5, 0.5));
+    ball(&mut glass, GLASS);
+    lamp(&mut glass, 0.7, 0.3, 4.0);
+    let caustic = ("caustic", build(&glass));
+    for (number, (name, scene)) in scenes().into_iter().chain([near, caustic]).enumerate() {
         let (least, off) = if name == "near a lamp" { (0.85, 0.15) } else { (0.93, 0.1) };
         const SIDE: u32 = 16;
         let exact = reference(&scene, SIDE, count(1 << 14, 1 << 16) as u32);
         // Where pixels share hits, each one's error is still that of its own replicates.
-        for (samples, adaptive, reuse) in [(256, false, false), (256, true, false), (256, false, true)] {
-            if is_left_out(number, adaptive || reuse) {
+        for (samples, adaptive, reuse, light_paths) in [
+            (256, false, false, false),
+            (256, true, false, false),
+            (256, false, true, false),
+            (256, false, false, true),
+        ] {
+            if light_paths != (name == "caustic") || is_left_out(number, adaptive || reuse) {
                 continue;
             }
             let (mut covered, mut tried) = (0_u64, 0_u64);
@@ -158,7 +168,7 @@ fn intervals_hold_the_truth_and_estimates_are_the_error() {
             let mut flagged = 0;
             for seed in 0..runs {
                 let mut settings = RenderSettings { adaptive: Some(adaptive), ..settings(SIDE, samples, seed) };
-                settings.desc.reuse = Some(reuse);
+                (settings.desc.reuse, settings.desc.light_paths) = (Some(reuse), Some(light_paths));
                 let (image, summary) = run(&scene, settings);
                 let variance = &image.layer("variance").unwrap().data;
                 for ((value, exact), variance) in image.rgb.iter().zip(&exact.rgb).zip(variance) {
@@ -178,7 +188,7 @@ fn intervals_hold_the_truth_and_estimates_are_the_error() {
             let share = covered as f64 / tried as f64;
             let (ratio, display) = (estimated / found, display / display_found);
             println!(
-                "{name}, {samples} samples, adaptive {adaptive}, reuse {reuse}: 95 % intervals hold {:.2} %; relMSE {:.2e}, estimated over \
+                "{name}, {samples} samples, adaptive {adaptive}, reuse {reuse}, light paths {light_paths}: 95 % intervals hold {:.2} %; relMSE {:.2e}, estimated over \
                  true {ratio:.3}, its standard error {:.0} %, said to rest on few pixels in {flagged} of {runs}; levels of \
                  255, estimated over true {display:.3}",
                 100.0 * share,

@@ -7,7 +7,9 @@ use std::path::Path;
 use std::time::Duration;
 
 use common::scenes::{box_inside, camera, point_light, scene};
-use etendue::desc::{self, BsdfDesc, CropDesc, IntegratorDesc, RenderDesc, SceneDesc, ShapeDesc, ShutterDesc};
+use etendue::desc::{
+    self, BsdfDesc, CropDesc, FilterDesc, IntegratorDesc, RenderDesc, SamplerDesc, SceneDesc, ShapeDesc, ShutterDesc,
+};
 use etendue::film::Image;
 use etendue::integrator::{Probe, ProbeQuantity};
 use etendue::math::DVec3;
@@ -304,6 +306,95 @@ fn scenes_whose_paths_share_no_hits_are_refused_by_name() {
     for plain in [WHITE, glass] {
         assert!(made(&ball("", plain, "")).is_ok());
     }
+}
+
+fn lit() -> RenderDesc {
+    RenderDesc { reuse: None, light_paths: Some(true), ..shared() }
+}
+
+/// Asserts that no light paths are traced, for this reason.
+fn assert_traces_none<T>(made: etendue::Result<T>, why: &str) {
+    let error = made.err().unwrap_or_else(|| panic!("it was taken; expected: {why}"));
+    assert_eq!(error.kind(), ErrorKind::Unsupported, "{error}");
+    let expected = format!("render.integrator.lightPaths is true, and {why}");
+    assert!(error.message().starts_with(&expected), "'{expected}' is not the beginning of: {error}");
+}
+
+#[test]
+fn what_has_no_light_paths_is_refused_by_name() {
+    let scene = diffuse();
+    let made = |scene: &Scene, settings: RenderSettings| Render::new(scene, RenderSettings { threads: 1, ..settings });
+    let with = |desc: RenderDesc| RenderSettings { desc, ..RenderSettings::default() };
+    for integrator in IntegratorDesc::ALL {
+        let made = made(&scene, with(RenderDesc { integrator, ..lit() }));
+        if integrator == IntegratorDesc::Path {
+            assert!(made.is_ok());
+        } else {
+            assert_traces_none(made, &format!("{} traces none to the camera", integrator.name()));
+        }
+    }
+    let mitchell = FilterDesc::Mitchell { b: 0.3, c: 0.3 };
+    for (desc, why) in [
+        (RenderDesc { spectral: true, ..lit() }, "render.spectral gives each path wavelengths of its own"),
+        (RenderDesc { max_depth: Some(9), ..lit() }, "render.maxDepth cuts paths"),
+        (RenderDesc { filter: mitchell, ..lit() }, "the filter mitchell divides by the weights"),
+        (RenderDesc { sampler: SamplerDesc::Gaussian, ..lit() }, "the sampler gaussian is a pixel filter"),
+    ] {
+        assert_traces_none(made(&scene, with(desc)), why);
+    }
+    let adaptive = RenderSettings { adaptive: Some(true), ..with(lit()) };
+    assert_traces_none(made(&scene, adaptive), "adaptive sampling gives pixels different numbers of samples");
+    let probe = Probe { position: DVec3::ZERO, direction: DVec3::Y };
+    let lux = Render::probes(&scene, with(lit()), &[probe], ProbeQuantity::Irradiance);
+    assert_traces_none(lux, "light at given points has no camera");
+    let of = |desc: &SceneDesc| made(&Scene::build(desc, &BuildOptions::default()).unwrap(), with(lit()));
+    let way = r#", "motion": [{"time": 0}, {"time": 1, "translate": [0.5, 0, 0]}]"#;
+    let glass = r#""type": "refractive", "refractionIndex": 1.5"#;
+    assert_traces_none(of(&ball("", WHITE, way)), "something moves while the shutter is open");
+    assert_traces_none(
+        of(&ball("", &format!("{WHITE}, \"opacity\": 0.5"), "")),
+        "surfaces of the scene are not opaque",
+    );
+    assert_traces_none(of(&ball("", &format!("{glass}, \"priority\": 1"), "")), "media of the scene absorb light");
+    let lens = desc::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/depth-of-field.json"), None).unwrap();
+    assert_traces_none(of(&lens), "the camera does not see in perspective through a pinhole");
+    assert!(of(&ball("", glass, "")).is_ok());
+}
+
+/// By themselves, light paths are traced where a pilot says so, in long renders in which they can be.
+#[test]
+fn a_pilot_says_whether_light_paths_are_traced() {
+    let scene = |name: &str| {
+        let desc = desc::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name), None).unwrap();
+        Scene::build(&desc, &BuildOptions::default()).unwrap()
+    };
+    let long = RenderDesc { resolution: [64, 64], samples: 1000, ..RenderDesc::default() };
+    let traces = |scene: &Scene, desc: RenderDesc| {
+        let mut stop = |report: &Progress| match report.samples_done {
+            0 => ControlFlow::Continue(()),
+            _ => ControlFlow::Break(()),
+        };
+        let settings = RenderSettings { desc: desc.clone(), threads: 1, ..RenderSettings::default() };
+        let summary = Render::new(scene, settings).unwrap().run(&mut stop).unwrap();
+        let note = summary.notes.iter().any(|note| note.starts_with("light paths found caustics: a pilot expected"));
+        assert!(note == (summary.light_paths && desc.light_paths.is_none()), "{:?}", summary.notes);
+        summary.light_paths
+    };
+    let caustic = scene("caustic.json");
+    assert!(traces(&caustic, long.clone()));
+    // The seed of the render and a part of the picture change nothing.
+    let crop = Some(CropDesc { left: 7, top: 9, width: 3, height: 5 });
+    assert!(traces(&caustic, RenderDesc { crop, seed: 5, reuse: Some(true), ..long.clone() }));
+    for other in [
+        RenderDesc { light_paths: Some(false), ..long.clone() },
+        RenderDesc { samples: 500, ..long.clone() },
+        RenderDesc { spectral: true, ..long.clone() },
+        RenderDesc { integrator: IntegratorDesc::Sppm, ..long.clone() },
+    ] {
+        assert!(!traces(&caustic, other));
+    }
+    // No caustics, and no lamp that light paths start from.
+    assert!(!traces(&scene("cornell.json"), long.clone()) && !traces(&scene("room.json"), long));
 }
 
 proptest! {

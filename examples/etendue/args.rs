@@ -117,6 +117,11 @@ pub struct RenderArgs {
     #[arg(long, value_name = "on|off", value_enum, num_args = 0..=1, require_equals = true)]
     #[arg(default_missing_value = "on", hide_possible_values = true)]
     pub reuse: Option<Switch>,
+    /// Light paths, from lamps by way of mirrors and glass to what the camera sees, find caustics beside the paths from the camera; alone it
+    /// means on. Only with the integrator path. In place of the choice of the scene; by default, a pilot of long renders says.
+    #[arg(long, value_name = "on|off", value_enum, num_args = 0..=1, require_equals = true)]
+    #[arg(default_missing_value = "on", hide_possible_values = true)]
+    pub light_paths: Option<Switch>,
     /// Paths carry wavelengths instead of three channels; alone it means on. In place of the scene's choice.
     #[arg(long, value_name = "on|off", value_enum, num_args = 0..=1, require_equals = true)]
     #[arg(default_missing_value = "on", hide_possible_values = true)]
@@ -714,6 +719,14 @@ pub struct Iterations(pub Option<u32>);
 pub struct WavelengthRange(pub [f64; 2]);
 
 impl RenderArgs {
+    /// A setting of an integrator. Another integrator takes the place of the scene's together with its settings, as in a file.
+    fn of_integrator(&self, asked: Option<Switch>, scene: Option<bool>) -> Option<bool> {
+        match asked {
+            None => scene.filter(|_| self.integrator.is_none()),
+            Some(asked) => Some(asked == Switch::On),
+        }
+    }
+
     /// The error to stop at, and what it is measured by.
     pub fn target(&self) -> Option<(ErrorMeasure, f64)> {
         let relative = self.target_error.map(|target| (ErrorMeasure::RelMse, target));
@@ -748,11 +761,8 @@ impl RenderArgs {
             }),
             filter: self.filter.unwrap_or(scene.filter),
             integrator: self.integrator.map_or(scene.integrator, |Integrator(integrator)| integrator),
-            // Another integrator takes the place of the scene's together with its settings, as in a file.
-            reuse: match self.reuse {
-                None => scene.reuse.filter(|_| self.integrator.is_none()),
-                Some(reuse) => Some(reuse == Switch::On),
-            },
+            reuse: self.of_integrator(self.reuse, scene.reuse),
+            light_paths: self.of_integrator(self.light_paths, scene.light_paths),
             spectral: self.spectral.map_or(scene.spectral, |spectral| spectral == Switch::On),
             white_balance: self.white_balance.map_or(scene.white_balance, |White(white)| Some(white)),
             max_depth: self.max_depth.map_or(scene.max_depth, |depth| depth.0),

@@ -50,6 +50,7 @@ struct Settings {
     /// The requested number; null where only time and error end the render.
     spp: Option<u32>,
     reuse: bool,
+    light_paths: bool,
     spectral: bool,
     white_balance: Option<[f64; 2]>,
     max_depth: Option<u32>,
@@ -105,6 +106,7 @@ impl Stats {
                 filter: format!("{:?}", desc.filter),
                 spp: (desc.samples < MOST_SAMPLES).then_some(desc.samples),
                 reuse: summary.reuse,
+                light_paths: summary.light_paths,
                 spectral: desc.spectral,
                 white_balance: desc.white_balance,
                 max_depth: desc.max_depth,

@@ -730,6 +730,7 @@ impl World {
                         max_depth: u32::from(depth % 16) + 1,
                         spectral: u32::from(sampler >> 6),
                         reuse: u32::from(depth >> 4) % 4,
+                        light_paths: u32::from(filter >> 4) % 4,
                         sensor_bands: if depth >> 6 == 3 { parameters.map(f64::from) } else { [0.0; 2] },
                         share_number: if is_part { u32::from(samples >> 2) % 4 } else { 0 },
                         share_count: if is_part { u32::from(samples >> 4) % 4 } else { 0 },

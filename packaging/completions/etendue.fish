@@ -66,6 +66,8 @@ sppm\t'Stochastic progressive photon mapping: a new map every pass, with radii t
 auto\t'Path tracing, path tracing with a caustic map, or stochastic progressive photon mapping, by what the scene holds'"
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l reuse -d 'Pixels in groups of 16 share the second hits of their paths; alone it means on. Only with the integrator path. In place of the choice of the scene; by default, a pilot of long renders says' -r -f -a "on\t''
 off\t''"
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l light-paths -d 'Light paths, from lamps by way of mirrors and glass to what the camera sees, find caustics beside the paths from the camera; alone it means on. Only with the integrator path. In place of the choice of the scene; by default, a pilot of long renders says' -r -f -a "on\t''
+off\t''"
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l spectral -d 'Paths carry wavelengths instead of three channels; alone it means on. In place of the scene\'s choice' -r -f -a "on\t''
 off\t''"
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l spectral-layers -d 'Layers of an EXR for the mean spectral radiance over so many bands of equal width, 3 to 512. With --spectral' -r

@@ -174,6 +174,29 @@ impl Camera {
         }
     }
 
+    /// Where the rays of a camera without a lens start, that sees in perspective from one point.
+    #[inline]
+    pub(crate) fn eye(&self) -> Vec3 {
+        self.origin
+    }
+
+    /// Whether all rays start at the eye and cross a flat film: a camera in perspective without a lens.
+    pub(crate) fn is_pinhole(&self) -> bool {
+        matches!(self.projection, Projection::Central) && self.lens.is_none()
+    }
+
+    /// Number of pixels that a unit solid angle around a unit direction from the eye fills (sr^-1), of a camera that
+    /// [`Self::is_pinhole`]. With the film's plane at the distance h, a pixel of area A under the angle t to its normal fills
+    /// A cos^3 t / h^2.
+    #[inline]
+    pub(crate) fn pixels_a_steradian(&self, direction: Vec3) -> f32 {
+        let pixel = self.dx.cross(self.dy);
+        let height = self.corner.dot(pixel).abs();
+        let along = direction.dot(pixel).abs();
+        // h = height / A and cos t = along / A.
+        height * height / (along * along * along)
+    }
+
     /// Whether the camera has a lens, so that rays need points on it.
     #[inline]
     pub fn has_lens(&self) -> bool {

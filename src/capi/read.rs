@@ -292,9 +292,6 @@ pub(super) fn render(it: &etd_render_options, film: [u32; 2]) -> Result<RenderDe
             return Err(Failure::argument(message));
         }
     }
-    if it.reserved != 0 {
-        return Err(Failure::argument("options.reserved is not 0"));
-    }
     let desc = RenderDesc {
         resolution,
         crop,
@@ -322,6 +319,7 @@ pub(super) fn render(it: &etd_render_options, film: [u32; 2]) -> Result<RenderDe
             }
         },
         reuse: switch("options.reuse", it.reuse)?,
+        light_paths: switch("options.light_paths", it.light_paths)?,
         spectral: switch("options.spectral", it.spectral)?.unwrap_or(false),
         white_balance: (it.white_balance != [0.0; 2]).then_some(it.white_balance),
         max_depth: (it.max_depth != 0).then_some(it.max_depth),
@@ -542,7 +540,7 @@ pub(super) fn render_out(desc: &RenderDesc) -> etd_render_options {
         white_balance: desc.white_balance.unwrap_or_default(),
         sensor_bands: [0.0; 2],
         reuse: desc.reuse.map_or(ETD_SWITCH_DEFAULT.number(), switch_out),
-        reserved: 0,
+        light_paths: desc.light_paths.map_or(ETD_SWITCH_DEFAULT.number(), switch_out),
         share_number: 0,
         share_count: 0,
         checkpoint_file: std::ptr::null(),

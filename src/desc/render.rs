@@ -52,6 +52,18 @@ pub struct RenderDesc {
     ///
     /// Source: Bekaert, Sbert and Halton 2002, "Accelerating Path Tracing by Re-Using Paths".
     pub reuse: Option<bool>,
+    /// Whether light paths, from lamps by way of mirrors and glass to what the camera sees, find caustics beside the paths from the camera.
+    /// The picture stays unbiased.
+    ///
+    /// They can with [`IntegratorDesc::Path`], in three channels, with the same number of samples for all pixels, no
+    /// [`max_depth`](RenderDesc::max_depth), a filter that is nowhere negative, a camera in perspective without a lens, in scenes at rest
+    /// whose surfaces are opaque and whose media neither absorb nor have priorities. `Some(true)` is refused where they cannot. `None`
+    /// leaves it to a pilot where they can and the render is long, also where [`IntegratorDesc::Auto`] chooses paths; in other renders
+    /// there are none. They start from triangles, spheres and disks that shine evenly; the caustics of other lamps are left to paths from
+    /// the camera.
+    ///
+    /// Source: Veach 1997, *Robust Monte Carlo Methods for Light Transport Simulation*, Sec. 10.
+    pub light_paths: Option<bool>,
     /// Whether paths carry wavelengths instead of three channels. Colours become smooth spectra, lights those times D65, and glass
     /// with a [`Dispersion`](super::Dispersion) disperses light; the film has the colours that the standard observer sees.
     pub spectral: bool,
@@ -84,6 +96,7 @@ impl Default for RenderDesc {
             filter: FilterDesc::Box,
             integrator: IntegratorDesc::Path,
             reuse: None,
+            light_paths: None,
             spectral: false,
             white_balance: None,
             max_depth: None,

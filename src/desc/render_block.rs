@@ -132,12 +132,16 @@ pub(super) struct Render<'a> {
 
 /// An integrator with its settings, in an object.
 #[derive(Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, rename_all = "camelCase")]
 pub(super) struct Integrator {
     #[serde(rename = "type")]
     pub(super) name: String,
     /// See [`RenderDesc::reuse`](super::RenderDesc::reuse).
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) reuse: Option<bool>,
+    /// See [`RenderDesc::light_paths`](super::RenderDesc::light_paths).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) light_paths: Option<bool>,
 }
 
 /// The positions of the samples of a pixel.
@@ -231,12 +235,14 @@ mod schema {
     }
 
     #[derive(JsonSchema)]
-    #[schemars(deny_unknown_fields)]
+    #[schemars(deny_unknown_fields, rename_all = "camelCase")]
     pub struct IntegratorBlock {
         /// Its name.
         r#type: IntegratorName,
         /// For `path`: whether pixels in groups of 16 share the second hits of their paths. Default: where a pilot says that it pays.
         reuse: Option<bool>,
+        /// For `path`: whether light paths find caustics beside the paths from the camera. Default: where a pilot says that it pays.
+        light_paths: Option<bool>,
     }
 
     /// One of the names in the table of integrators.

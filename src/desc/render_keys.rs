@@ -53,7 +53,7 @@ pub(super) fn read(raw: &RawValue, path: &str, base: &RenderDesc) -> Result<Rend
         render.roulette = roulette.into();
     }
     if let Some(raw) = block.integrator {
-        (render.integrator, render.reuse) = integrator(raw, &at("integrator"))?;
+        integrator(raw, &at("integrator"), &mut render)?;
     }
     if let Some(seed) = block.seed {
         render.seed = seed.0;
@@ -122,10 +122,15 @@ pub(super) fn shadow_rays(path: &str, value: Whole) -> Result<u32> {
     validate::whole(path, value, 1, u64::from(MAX_SHADOW_RAYS))
 }
 
-/// Reads an integrator, and whether its pixels share hits.
-fn integrator(raw: &RawValue, path: &str) -> Result<(IntegratorDesc, Option<bool>)> {
+/// Reads an integrator and its settings.
+fn integrator(raw: &RawValue, path: &str, render: &mut RenderDesc) -> Result<()> {
     let names = IntegratorDesc::ALL.map(IntegratorDesc::name);
     let (name, block) = json::named(raw, path, &names)?;
-    let reuse = if block { json::object::<Integrator>(raw, path)?.reuse } else { None };
-    Ok((IntegratorDesc::from_name(&name).unwrap_or_default(), reuse))
+    render.integrator = IntegratorDesc::from_name(&name).unwrap_or_default();
+    (render.reuse, render.light_paths) = (None, None);
+    if block {
+        let Integrator { reuse, light_paths, .. } = json::object(raw, path)?;
+        (render.reuse, render.light_paths) = (reuse, light_paths);
+    }
+    Ok(())
 }

@@ -58,9 +58,9 @@ impl RenderDesc {
 /// Writes an integrator: its name, or an object where it has settings that differ from their defaults.
 fn integrator(render: &RenderDesc) -> Result<Box<RawValue>> {
     let name = IntegratorDesc::name(render.integrator);
-    match render.reuse {
-        None => raw(&name),
-        reuse => raw(&Integrator { name: name.to_owned(), reuse }),
+    match (render.reuse, render.light_paths) {
+        (None, None) => raw(&name),
+        (reuse, light_paths) => raw(&Integrator { name: name.to_owned(), reuse, light_paths }),
     }
 }
 

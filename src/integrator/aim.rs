@@ -18,7 +18,7 @@ const LEAST_COSINE: f32 = 0.05;
 
 /// All specular surfaces of a scene, as parts that rays are aimed at.
 #[derive(Clone, Debug)]
-pub(super) struct Aims(Arc<[SpecularPart]>);
+pub(crate) struct Aims(Arc<[SpecularPart]>);
 
 /// A part as it is seen from a point.
 #[derive(Clone, Copy)]
@@ -85,6 +85,19 @@ impl Aims {
             }
         }
         if total > 0.0 { density / total } else { 0.0 }
+    }
+
+    /// How much of the parts is seen from a point on the side of the unit normal `n`, or from all sides where there is none: approximately
+    /// their projected solid angle.
+    pub fn weight(&self, p: Vec3, n: Option<Vec3>) -> f32 {
+        let towards = |part: &SpecularPart| {
+            let middle = match part {
+                SpecularPart::Ball(ball) => ball.centre,
+                SpecularPart::Triangle([a, b, c]) => (*a + *b + *c) / 3.0,
+            };
+            (middle - p).try_normalize().unwrap_or(Vec3::Z)
+        };
+        self.0.iter().map(|part| Seen::new(part, p, n.unwrap_or_else(|| towards(part))).1).sum()
     }
 
     /// Whether there is nothing to aim at.

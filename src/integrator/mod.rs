@@ -3,10 +3,11 @@
 //! An [`Integrator`] is compiled once for each kind of sampler and tracer, so that rays need no dynamic dispatch.
 //! Integrators know no film, no file and no thread.
 
-mod aim;
+pub(crate) mod aim;
 mod direct;
 mod irradiance;
 pub mod irradiance_cache;
+pub mod light_tracing;
 mod media;
 mod path;
 pub mod photon;
@@ -22,9 +23,13 @@ mod whitted;
 
 pub use direct::Direct;
 pub use irradiance::{Irradiance, Piece, Sites};
+pub(crate) use path::LitPath;
 pub use path::Path;
 pub use probes::{Probe, ProbeQuantity, Probes};
-pub use support::{check_reuse, check_still, check_support, check_wavelengths, no_reuse, no_wavelengths};
+pub use support::{
+    check_light_paths, check_reuse, check_still, check_support, check_wavelengths, no_light_paths, no_reuse,
+    no_wavelengths,
+};
 pub use tracer::{Context, FirstHit, SceneTracer, Tracer};
 pub use wave::{Sample, Wave};
 pub use whitted::Whitted;

@@ -9,13 +9,14 @@
 //! Sources: Kajiya 1986, "The Rendering Equation"; Veach 1997, chapters 8 to 10; Arvo and Kirk 1990, "Particle Transport
 //! and Image Synthesis" (roulette).
 
+use super::light_tracing::LightPaths;
 use super::walk::{Limits, trace};
 use super::wave::{Sample, Wave};
 use super::{Context, FirstHit, Tracer, Transport};
 use crate::math::Ray;
 use crate::sampling::Sampler;
 use crate::scene::Scene;
-use crate::spectrum::Spectrum;
+use crate::spectrum::{Rgb, Spectrum};
 
 /// Path tracing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,7 +29,7 @@ pub struct Path {
 }
 
 impl Path {
-    pub(super) fn limits(&self) -> Limits {
+    pub(super) fn limits(&self) -> Limits<'_> {
         Limits { max_depth: self.max_depth.unwrap_or(u32::MAX), ..Limits::new(self.shadow_rays) }
     }
 }
@@ -58,5 +59,42 @@ impl<C: Spectrum> Transport<C> for Path {
         tracer: &mut T,
     ) {
         wave.trace(scene, samples, tracer, &self.limits());
+    }
+}
+
+/// Path tracing in three channels, beside light paths where a render has them.
+#[derive(Clone, Debug)]
+pub(crate) struct LitPath {
+    pub path: Path,
+    pub light_paths: Option<LightPaths>,
+}
+
+impl Transport<Rgb> for LitPath {
+    type Memory = Wave<Rgb>;
+
+    /// A path by itself.
+    #[inline]
+    fn li<S: Sampler, T: Tracer>(
+        &self,
+        ray: Ray,
+        context: &mut Context<'_, S, T, Rgb>,
+        first: &mut impl FnMut(FirstHit),
+    ) -> Rgb {
+        self.path.li(ray, context, first)
+    }
+
+    const IN_WAVES: bool = true;
+
+    #[inline(always)]
+    fn li_of_many<S: Sampler, T: Tracer>(
+        &self,
+        scene: &Scene,
+        samples: &mut [Sample<S, Rgb>],
+        _ends: &[usize],
+        wave: &mut Wave<Rgb>,
+        tracer: &mut T,
+    ) {
+        let limits = Limits { light_paths: self.light_paths.as_ref(), ..self.path.limits() };
+        wave.trace(scene, samples, tracer, &limits);
     }
 }

@@ -1,7 +1,7 @@
 //! Which scenes an integrator supports, by the lobes and the opacity of their surfaces, by their emitters and their motion.
 
 use crate::bsdf::Lobes;
-use crate::desc::{IntegratorDesc, LobeSupport, LobeUse, Preparation, RenderDesc};
+use crate::desc::{CameraDesc, FilterDesc, IntegratorDesc, LobeSupport, LobeUse, Preparation, RenderDesc, SamplerDesc};
 use crate::error::{Error, ErrorKind, Result};
 use crate::scene::Scene;
 
@@ -80,25 +80,73 @@ pub fn check_reuse(scene: &Scene, integrator: IntegratorDesc, desc: &RenderDesc)
         let why = format!("{} shares no hits among pixels", integrator.name());
         return no_reuse(&why, "false, or the integrator path");
     }
+    match what_paths_have_apart(scene, desc) {
+        Some((why, expected)) => no_reuse(why, expected),
+        None => Ok(()),
+    }
+}
+
+/// Refuses light paths to the camera for an integrator, settings or a scene with which they do not find what paths from the camera find.
+///
+/// # Errors
+/// [`ErrorKind::Unsupported`], whose message names what light paths are not traced with.
+pub fn check_light_paths(scene: &Scene, integrator: IntegratorDesc, desc: &RenderDesc) -> Result<()> {
+    if integrator != IntegratorDesc::Path {
+        let why = format!("{} traces none to the camera", integrator.name());
+        return no_light_paths(&why, "false, or the integrator path");
+    }
+    if let Some((why, expected)) = what_paths_have_apart(scene, desc) {
+        return no_light_paths(why, expected);
+    }
+    if !matches!(scene.camera(), CameraDesc::Perspective { .. }) {
+        let why = "the camera does not see in perspective through a pinhole";
+        return no_light_paths(why, "false, or the camera perspective");
+    }
+    if desc.max_depth.is_some() {
+        return no_light_paths("render.maxDepth cuts paths", "false, or no maxDepth");
+    }
+    if matches!(desc.filter, FilterDesc::Mitchell { .. }) {
+        let why = "the filter mitchell divides by the weights of a pixel's own samples";
+        return no_light_paths(why, "false, or a filter that is nowhere negative");
+    }
+    if desc.sampler == SamplerDesc::Gaussian {
+        let why = "the sampler gaussian is a pixel filter by itself";
+        return no_light_paths(why, "false, or another sampler");
+    }
+    Ok(())
+}
+
+/// Says why no light paths are traced, and what would be expected.
+///
+/// # Errors
+/// [`ErrorKind::Unsupported`], always.
+pub fn no_light_paths(why: &str, expected: &str) -> Result<()> {
+    let message = format!("render.integrator.lightPaths is true, and {why}; expected {expected}");
+    Err(Error::new(ErrorKind::Unsupported, message))
+}
+
+/// What each path of a render has by itself, so that what it finds is not what another one would have found, and what would be expected
+/// instead.
+fn what_paths_have_apart(scene: &Scene, desc: &RenderDesc) -> Option<(&'static str, &'static str)> {
     if desc.spectral {
-        return no_reuse(
+        return Some((
             "render.spectral gives each path wavelengths of its own",
             "false, or a render in three channels",
-        );
+        ));
     }
     if scene.has_motion() {
-        return no_reuse("something moves while the shutter is open", "false, or a scene at rest");
+        return Some(("something moves while the shutter is open", "false, or a scene at rest"));
     }
     // Whether a ray passes such a surface is a random choice of the ray, which the ways of several pixels to one hit do not share.
     if !scene.is_opaque() {
-        return no_reuse("surfaces of the scene are not opaque", "false, or a scene whose surfaces are");
+        return Some(("surfaces of the scene are not opaque", "false, or a scene whose surfaces are"));
     }
     if scene.has_media() {
         let why =
             "media of the scene absorb light or have priorities, which each path follows from its own camera ray on";
-        return no_reuse(why, "false, or a scene without such media");
+        return Some((why, "false, or a scene without such media"));
     }
-    Ok(())
+    None
 }
 
 /// Says why hits are not shared among pixels, and what would be expected.

@@ -296,6 +296,19 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         (self.surface.point, self.facing(), self.frame, self.wo)
     }
 
+    /// A direction (scene frame) in the local frame; `None` where it is not on the same side of the face and of the shading normal.
+    #[inline]
+    pub fn consistent(&self, w: Vec3) -> Option<Vec3> {
+        let local = self.frame.to_local(w);
+        self.is_consistent(w, local).then_some(local)
+    }
+
+    /// [`Model::f_pdf`] of the Bsdf for light from the local direction `wi`.
+    #[inline]
+    pub fn f_pdf(&self, wi: Vec3) -> (C, f32) {
+        self.bsdf.f_pdf(self.wo, wi, self.mode)
+    }
+
     /// Whether another viewer on the same side of the face would see the surface along the same shading normal.
     #[inline]
     pub fn has_own_normal(&self) -> bool {

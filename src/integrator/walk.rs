@@ -4,6 +4,7 @@
 //!
 //! Source: Arvo and Kirk 1990, "Particle Transport and Image Synthesis" (roulette).
 
+use super::light_tracing::LightPaths;
 use super::media::{arrive, left_after};
 use super::tracer::{Context, FirstHit, Tracer};
 use super::vertex::{Bounce, PreviousBounce, Vertex, escaped};
@@ -25,7 +26,7 @@ const CERTAIN_FRACTION: f32 = 0.5;
 
 /// Where paths end, and how many light samples are taken at each hit.
 #[derive(Clone, Copy)]
-pub(super) struct Limits {
+pub(super) struct Limits<'l> {
     /// Greatest number of hits.
     pub max_depth: u32,
     /// Light samples at a hit, >= 1.
@@ -34,13 +35,15 @@ pub(super) struct Limits {
     pub mirrors_see_lights: bool,
     /// The bounce that the first ray comes from.
     pub previous: PreviousBounce,
+    /// Light paths that find caustics beside the path, where a render has them.
+    pub light_paths: Option<&'l LightPaths>,
 }
 
-impl Limits {
+impl Limits<'_> {
     /// Limits for paths that only absorption and Russian roulette end.
     #[inline(always)]
     pub fn new(shadow_rays: u32) -> Self {
-        Self { max_depth: u32::MAX, shadow_rays, mirrors_see_lights: false, previous: None }
+        Self { max_depth: u32::MAX, shadow_rays, mirrors_see_lights: false, previous: None, light_paths: None }
     }
 }
 
@@ -55,6 +58,10 @@ pub(super) struct Walk<C: Spectrum> {
     /// Compensates the radiance scaling of refraction in Russian roulette, so that paths inside glass are not ended more
     /// often.
     eta2: f32,
+    /// Density of the path in the sense of [`LightPaths::density`], times the square of the refraction index where it is over that where
+    /// it left the vertex that the camera sees, as long as light paths may find it: after that vertex it has met nothing but perfectly
+    /// specular surfaces. Else 0.
+    density: f32,
     /// Throughput at which a path survives with certainty: a fraction of the throughput after the first hit, so that
     /// indirect light on a dark wall has the same relative noise as on a white one.
     roulette_reference: f32,
@@ -73,6 +80,7 @@ impl<C: Spectrum> Walk<C> {
             throughput: C::ONE,
             previous,
             eta2: 1.0,
+            density: 0.0,
             roulette_reference: 1.0,
             alone: C::Alone::default(),
             depth: 0,
@@ -198,7 +206,13 @@ impl<C: Spectrum> Walk<C> {
         if self.depth == 1 {
             first(vertex.first_hit(scene));
         }
-        self.radiance += self.throughput * vertex.emitted(scene, self.previous, limits.shadow_rays);
+        let emitted = self.throughput * vertex.emitted(scene, self.previous, limits.shadow_rays);
+        self.radiance += match limits.light_paths {
+            Some(paths) if self.density > 0.0 && self.previous.is_none() => {
+                emitted * paths.weight(self.density, scene, vertex)
+            }
+            _ => emitted,
+        };
         self.depth <= limits.max_depth && !vertex.lobes.is_empty()
     }
 
@@ -243,14 +257,22 @@ impl<C: Spectrum> Walk<C> {
         self.roulette_reference *= self.carried() / carried;
     }
 
-    /// A path that leaves this one at its vertex with this weight and no radiance yet, and that roulette does not end before
-    /// [`Self::end_of_chain`].
+    /// A path that leaves this one at its vertex with this weight, this density in the sense of [`LightPaths::density`] and no radiance
+    /// yet, and that roulette does not end before [`Self::end_of_chain`].
     #[inline]
-    pub fn aimed(&self, weight: C) -> Self {
+    pub fn aimed(&self, weight: C, density: f32) -> Self {
         let mut walk = self.branch(weight, false);
+        walk.density = density;
         walk.eta2 = 1.0;
         walk.keep_for_certain();
         walk
+    }
+
+    /// Gives the path this weight against others that find the same with the rest of the density.
+    #[inline]
+    pub fn weigh(&mut self, weight: f32) {
+        self.throughput *= weight;
+        self.density /= weight;
     }
 
     /// Lets the path survive the next bounce.
@@ -292,6 +314,11 @@ impl<C: Spectrum> Walk<C> {
         self.disperse(bounce.disperses);
         self.eta2 *= bounce.eta * bounce.eta;
         self.previous = bounce.pdf.map(|pdf| (vertex.receiver(), pdf));
+        self.density = match (bounce.pdf, limits.light_paths) {
+            (None, _) => self.density * (bounce.eta * bounce.eta),
+            (Some(pdf), Some(paths)) if depth == 1 => paths.density(vertex, bounce.ray.direction, pdf),
+            _ => 0.0,
+        };
 
         // Russian roulette takes the survival probability that the scene sets for the surface, or else the throughput. The
         // ray after the last allowed hit only looks for a light, so it needs no roulette.

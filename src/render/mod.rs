@@ -20,15 +20,16 @@ mod maps;
 mod method;
 mod order;
 mod pass;
+mod pilot;
 mod places;
 mod replay;
 mod report;
 mod schedule;
 mod settings;
 mod share;
-mod sharing;
 #[cfg(test)]
 mod tests;
+mod ways;
 mod worker_pool;
 mod workers;
 
@@ -44,6 +45,7 @@ use crate::desc::{Bias, FilterDesc, IntegratorDesc, Preparation, RenderDesc, Sam
 use crate::error::{Error, ErrorKind, Result};
 use crate::film::{ErrorEstimate, ErrorMeasure, Film, FilmOptions, Image, Placement};
 use crate::integrator::Path;
+use crate::integrator::light_tracing::{LightPaths, LightPictures};
 use crate::integrator::photon::{Choice, choose};
 use crate::integrator::radiosity::{Radiosity, RadiosityPicture};
 use crate::integrator::reuse::PathReuse;
@@ -55,10 +57,11 @@ use adaptive::{MIN_PIXELS, PILOT, Stage};
 use checkpoint::{Header, Keeper};
 use maps::Maps;
 use method::Method;
-use pass::{Pass, PassInput};
+use pass::{Light, Pass, PassInput};
+use pilot::{Found, pilot};
 use schedule::Schedule;
 use share::Tiles;
-use sharing::{Found, Sharing, pilot};
+use ways::{Decision, Undecided, Wanted};
 use worker_pool::WorkerPool;
 
 pub use checkpoint::{Checkpoint, CheckpointPlan};
@@ -105,8 +108,11 @@ pub struct Render {
     radiosity: Option<Arc<Radiosity>>,
     /// The integrator of the current pass.
     method: Method,
-    /// Path tracing with shared hits, as long as a pilot is to say whether hits are shared, and the pilot's squares in a row.
-    undecided: Option<(PathReuse, u32)>,
+    /// What a pilot is to say, until it has.
+    undecided: Option<Undecided>,
+    /// Light paths, where the render has them, and what they bring to the samples of the next pass.
+    light_paths: Option<LightPaths>,
+    light_pictures: Option<LightPictures>,
     /// What the pilot found.
     found: Option<Found>,
     /// Number of complete samples per pixel.
@@ -160,7 +166,7 @@ impl Render {
                 Some(method) => no_wavelengths(method.place_name())?,
             }
         }
-        let sharing = Sharing::of(scene, &settings, integrator, method.as_ref().map(Method::place_name))?;
+        let wanted = Wanted::of(scene, &settings, integrator, method.as_ref().map(Method::place_name))?;
         match method {
             None => check_support(scene, integrator)?,
             Some(_) if scene.has_moving_world() => {
@@ -174,11 +180,14 @@ impl Render {
         let filter = Filter::new(&filter_desc);
         let scene = scene.with_roulette(desc.roulette);
         let path = Path { max_depth: desc.max_depth, shadow_rays: desc.shadow_rays };
-        let (method, undecided) = match sharing {
-            Sharing::No => (method, None),
-            Sharing::Yes => (Method::Reuse(PathReuse::new(&scene, path)), None),
-            Sharing::ByPilot(across) => (method, Some((PathReuse::new(&scene, path), across))),
+        let reuse = || PathReuse::new(&scene, path);
+        let method = if wanted.reuse == Decision::Yes { Method::Reuse(reuse()) } else { method };
+        let light_paths = match wanted.light_paths {
+            Decision::No => None,
+            Decision::Yes | Decision::ByPilot => LightPaths::new(&scene, &camera, desc.resolution),
         };
+        let undecided = Undecided::new(&wanted, reuse, light_paths.as_ref());
+        let light_paths = light_paths.filter(|_| wanted.light_paths == Decision::Yes);
         let shared = Arc::new(desc.clone());
         let plan = match integrator.info().preparation {
             Preparation::PhotonMaps(..) => Some(Maps::new(&scene, &camera, &shared, integrator, settings.sensor)?),
@@ -195,7 +204,7 @@ impl Render {
         })?;
         let pixels = desc.film_size().map(u64::from).into_iter().product::<u64>();
         let adaptive = match (
-            settings.adaptive.unwrap_or(settings.target_error.is_some() && sharing == Sharing::No),
+            settings.adaptive.unwrap_or(settings.target_error.is_some() && !wanted.is_settled_for_all_pixels()),
             desc.sampler,
         ) {
             (false, _) => Ok(false),
@@ -208,6 +217,8 @@ impl Render {
         let header = checkpoint::begin(film.options(), &shared, &settings, adaptive == Ok(true), &scene)?;
         let workers = settings.own_workers()?;
         Ok(Self {
+            light_paths,
+            light_pictures: None,
             scene,
             desc: shared,
             settings,
@@ -295,16 +306,22 @@ impl Render {
                 // A pass ends where the next photon maps are needed.
                 count = count.min(samples - self.samples % samples);
             }
+            if self.light_paths.is_some() || self.undecided.is_some() {
+                count = count.min(LightPictures::most_samples(&self.film));
+            }
             // All prepare it at the same time, but for what a pilot says.
             let asks_pilot = self.undecided.is_some();
             if let Some(crew) = crew.as_deref_mut().filter(|_| !asks_pilot) {
-                crew.begin_pass(self.samples, self.samples + count, self.reuse());
+                crew.begin_pass(self.samples, self.samples + count, self.ways());
             }
             if let Some(ended) = self.prepare(&schedule, start, progress)? {
                 break ended;
             }
             if let Some(crew) = crew.as_deref_mut().filter(|_| asks_pilot) {
-                crew.begin_pass(self.samples, self.samples + count, self.reuse());
+                crew.begin_pass(self.samples, self.samples + count, self.ways());
+            }
+            if let Some(ended) = self.trace_light(count, &schedule, start, progress)? {
+                break ended;
             }
             if let Some(ended) = self.pass(count, &schedule, start, keeper.as_mut(), crew.as_deref_mut(), progress)? {
                 break ended;
@@ -413,10 +430,14 @@ impl Render {
         let deadline = limit.and_then(|limit| start.checked_add(limit));
         let mut pool = WorkerPool::new(&self.workers, &self.settings.cancel, deadline, &mut callback);
         let made = match (&mut self.plan, undecided) {
-            (_, Some((input, sharing))) => pilot(&input, &sharing, &mut pool).map(|found| {
+            (_, Some((input, open))) => pilot(&input, &open, &mut pool).map(|found| {
                 self.rays += found.rays;
+                if let Some(paths) = open.light.filter(|_| found.traces_light()) {
+                    self.light_paths = Some(paths.with_count(found.count));
+                }
+                let sharing = open.sharing.filter(|_| found.shares());
                 self.found = Some(found);
-                if found.shares() { Method::Reuse(sharing.0) } else { Method::Path }
+                sharing.map_or_else(|| self.method.clone(), Method::Reuse)
             }),
             (Some(plan), None) => {
                 let before = plan.rays();
@@ -468,6 +489,11 @@ impl Render {
             desc: Arc::clone(&self.desc),
             method: self.method.clone(),
             film: Arc::clone(&self.film),
+            light: self
+                .light_paths
+                .clone()
+                .zip(self.light_pictures.clone())
+                .map(|(paths, pictures)| Light { paths, pictures }),
         }
     }
 
@@ -525,7 +551,7 @@ impl Render {
             self.non_finite = self.film.non_finite();
             if !pass.is_complete() && !pass.is_stopped() {
                 // Some of the tiles were with helpers that were lost. Those that are complete take no time.
-                crew.begin_pass(self.samples, self.samples + count, self.reuse());
+                crew.begin_pass(self.samples, self.samples + count, self.ways());
                 return self.pass(count, schedule, start, keeper, Some(crew), progress);
             }
         }
@@ -554,10 +580,16 @@ impl Render {
         if let Some(choice) = &self.choice {
             notes.push(format!("auto chose {}: {}", choice.integrator.name(), choice.why));
         }
-        if let Some(found) = self.found.filter(Found::shares) {
+        if let Some(found) = self.found.as_ref().filter(|found| found.shares()) {
             notes.push(format!(
                 "pixels shared hits: a pilot expected the same error in {:.1} times less time",
-                found.gain
+                found.sharing
+            ));
+        }
+        if let Some(found) = self.found.as_ref().filter(|found| found.traces_light()) {
+            let times = if found.light < 10.0 { format!("{:.1}", found.light) } else { "more than 10".to_owned() };
+            notes.push(format!(
+                "light paths found caustics: a pilot expected the same error in {times} times less time"
             ));
         }
         notes.extend(self.plan.iter().flat_map(|plan| plan.notes().iter().cloned()));
@@ -600,6 +632,7 @@ impl Render {
             sample_counts: self.film.counts_unless(cancel),
             adaptive: self.stage.is_some(),
             reuse: matches!(self.method, Method::Reuse(_)),
+            light_paths: self.light_paths.is_some(),
             rays: self.rays,
             rel_mse,
             display_error: self.film.error_unless(ErrorMeasure::Display, cancel),

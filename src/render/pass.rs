@@ -15,8 +15,9 @@ use crate::camera::{Camera, MovingCamera};
 use crate::control::PROGRESS_INTERVAL;
 use crate::desc::{RenderDesc, SamplerDesc};
 use crate::film::{Film, PixelPhotonState, PixelSample, REPLICATES, TILE};
+use crate::integrator::light_tracing::{LightPaths, LightPictures};
 use crate::integrator::reuse::GROUP;
-use crate::integrator::{Context, Direct, Irradiance, Path, Probes, Sample, Tracer, Transport, Whitted};
+use crate::integrator::{Context, Direct, Irradiance, LitPath, Path, Probes, Sample, Tracer, Transport, Whitted};
 use crate::math::{DMat3, Ray};
 use crate::sampling::{AnySampler, Filter, Pattern, PatternSampler, Sampler, SobolSampler};
 use crate::scene::{Backplate, Hit, Scene};
@@ -47,6 +48,15 @@ pub(super) struct PassInput {
     pub desc: Arc<RenderDesc>,
     pub method: Method,
     pub film: Arc<Film>,
+    /// The light paths of the render, and what they bring to the samples of the pass.
+    pub light: Option<Light>,
+}
+
+/// Light paths, with the pictures that they make of some samples.
+#[derive(Clone)]
+pub(super) struct Light {
+    pub paths: LightPaths,
+    pub pictures: LightPictures,
 }
 
 /// A pass, as its workers share it.
@@ -391,8 +401,11 @@ impl SharedWork for Pass {
         let is_spectral = self.input.desc.spectral;
         match &self.input.method {
             Method::Path if is_spectral => self.in_wavelengths(&Path { max_depth, shadow_rays }, pause),
-            Method::Reuse(reuse) => self.in_colours(reuse, pause),
-            Method::Path => self.in_colours(&Path { max_depth, shadow_rays }, pause),
+            Method::Reuse(reuse) => self.in_colours(&reuse.clone().beside(self.light_paths()), pause),
+            Method::Path => {
+                let path = Path { max_depth, shadow_rays };
+                self.in_colours(&LitPath { path, light_paths: self.light_paths() }, pause)
+            }
             Method::Whitted if is_spectral => self.in_wavelengths(&Whitted { max_depth, shadow_rays }, pause),
             Method::Whitted => self.in_colours(&Whitted { max_depth, shadow_rays }, pause),
             Method::Direct if is_spectral => self.in_wavelengths(&Direct { shadow_rays }, pause),
@@ -443,6 +456,10 @@ impl Pass {
             is_shared: false,
             replay: None,
         }
+    }
+
+    fn light_paths(&self) -> Option<LightPaths> {
+        self.input.light.as_ref().map(|light| light.paths.clone())
     }
 
     /// Whether every pixel has all samples of the pass.
@@ -660,11 +677,16 @@ impl Pass {
     /// Adds samples to their pixels, or records the result of a replay.
     fn add<S, M: Measurement>(&self, batch: &Batch<S, M>, tile: usize, rays: u64) {
         let options = self.input.film.options();
+        let origin = self.input.film.origin();
         let mut tile = self.input.film.tile(tile);
         for (job, Sample { radiance, wavelengths, first, .. }) in batch.jobs.iter().zip(&batch.samples) {
             let Some(index) = job.index else { continue };
             let is_blind = self.input.has_rim && !self.sees(job);
             let mut radiance = if is_blind { Rgb::ZERO } else { radiance.to_film(wavelengths, self.input.sensor) };
+            if let Some(light) = &self.input.light {
+                let [x, y] = [0, 1].map(|axis| job.pixel[axis] - origin[axis]);
+                radiance += light.pictures.light(job.sample, (y * options.resolution[0] + x) as usize);
+            }
             if let Some(white) = &self.input.white_balance {
                 radiance = Rgb::from_f64(*white * radiance.to_f64());
             }

@@ -51,6 +51,8 @@ pub struct Summary {
     pub adaptive: bool,
     /// Whether pixels in groups shared the second hits of their paths (see [`RenderDesc::reuse`](crate::desc::RenderDesc::reuse)).
     pub reuse: bool,
+    /// Whether light paths were traced to the camera (see [`RenderDesc::light_paths`](crate::desc::RenderDesc::light_paths)).
+    pub light_paths: bool,
     /// Number of rays traced, including shadow rays.
     pub rays: u64,
     /// Estimated relMSE (see [`Film::rel_mse`](crate::film::Film::rel_mse)). It is `None` where there are too few samples for

@@ -15,6 +15,13 @@ pub struct Hit {
 }
 
 impl Hit {
+    /// The same place of the same surface, as a ray meets it at this distance.
+    #[inline]
+    #[must_use]
+    pub(crate) fn at_distance(self, t: f32) -> Self {
+        Self { t, ..self }
+    }
+
     /// The weights of a triangle's corners at the hit, in the order in which the kernel has them.
     #[inline]
     pub(super) fn weights(&self) -> [f32; 3] {

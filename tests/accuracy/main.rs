@@ -15,6 +15,7 @@ mod arithmetic;
 mod bsdf;
 mod intersection;
 mod leaving;
+mod light_paths;
 mod lights;
 mod media;
 mod motion;
@@ -43,6 +44,7 @@ fn groups() -> Vec<(&'static str, Vec<Entry>)> {
         ("sampling", sampling::cases()),
         ("transport", transport::cases()),
         ("reuse", reuse::cases()),
+        ("light-paths", light_paths::cases()),
         ("photons", photons::cases()),
         ("radiosity", radiosity::cases()),
         ("media", media::cases()),

@@ -380,7 +380,7 @@ static void structures(void) {
     FIELD(etd_render_options, white_balance);
     FIELD(etd_render_options, sensor_bands);
     FIELD(etd_render_options, reuse);
-    FIELD(etd_render_options, reserved);
+    FIELD(etd_render_options, light_paths);
     FIELD(etd_render_options, share_number);
     FIELD(etd_render_options, share_count);
     FIELD(etd_render_options, checkpoint_file);

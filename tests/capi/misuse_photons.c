@@ -180,26 +180,22 @@ static void pass_whole_numbers(void) {
 
 /* Hits that pixels share: what shares none refuses that by name. */
 static void pass_shared_hits(void) {
-    static const char text[] = "{\"etendue\": 1, " JSON_CAMERA ", \"render\": {\"integrator\": {\"type\": \"path\", \"reuse\": true}}}";
+    static const char text[] = "{\"etendue\": 1, " JSON_CAMERA ", \"render\": {\"integrator\": {\"type\": \"path\", \"reuse\": true, \"lightPaths\": false}}}";
     etd_scene *read = NULL;
     etd_render_options options = short_render(1), own = ETD_RENDER_OPTIONS_INIT;
     etd_integrator integrator;
     CHECK(own.reuse == ETD_SWITCH_DEFAULT);
     CHECK_OK(etd_scene_get_render_options(scene, &own));
-    CHECK(own.reuse == ETD_SWITCH_DEFAULT && own.reserved == 0);
+    CHECK(own.reuse == ETD_SWITCH_DEFAULT && own.light_paths == ETD_SWITCH_DEFAULT);
     CHECK_OK(etd_scene_from_json(device, text, sizeof text - 1, NULL, &read));
     CHECK_OK(etd_scene_get_render_options(read, &own));
-    CHECK(own.reuse == ETD_SWITCH_ON && own.reserved == 0);
+    CHECK(own.reuse == ETD_SWITCH_ON && own.light_paths == ETD_SWITCH_OFF);
     etd_scene_release(read);
     options.reuse = 3;
     CHECK_STATUS(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT);
     CHECK(strstr(etd_last_error_message(), "options.reuse") != NULL);
     options.reuse = ETD_SWITCH_ON;
     CHECK_OK(etd_render(scene, film, &options));
-    options.reserved = 1;
-    CHECK_STATUS(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT);
-    CHECK(strstr(etd_last_error_message(), "options.reserved is not 0") != NULL);
-    options.reserved = 0;
     for (integrator = ETD_INTEGRATOR_WHITTED; integrator <= ETD_INTEGRATOR_RADIOSITY; ++integrator) {
         options.integrator = integrator;
         CHECK_STATUS(etd_render(scene, film, &options), ETD_UNSUPPORTED);
@@ -216,6 +212,31 @@ static void pass_shared_hits(void) {
     CHECK(strstr(etd_last_error_message(), "integrator.reuse is true, and adaptive sampling") != NULL);
     options.adaptive = ETD_SWITCH_DEFAULT;
     CHECK_OK(etd_render(scene, film, &options));
+}
+
+/* Light paths to the camera: what traces none refuses that by name. */
+static void pass_light_paths(void) {
+    etd_render_options options = short_render(1);
+    etd_integrator integrator;
+    options.light_paths = 3;
+    CHECK_STATUS(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT);
+    CHECK(strstr(etd_last_error_message(), "options.light_paths") != NULL);
+    options.light_paths = ETD_SWITCH_ON;
+    CHECK_OK(etd_render(scene, film, &options));
+    for (integrator = ETD_INTEGRATOR_WHITTED; integrator <= ETD_INTEGRATOR_RADIOSITY; ++integrator) {
+        options.integrator = integrator;
+        CHECK_STATUS(etd_render(scene, film, &options), ETD_UNSUPPORTED);
+        CHECK(strstr(etd_last_error_message(), "integrator.lightPaths is true, and ") != NULL);
+        CHECK(strstr(etd_last_error_message(), " traces none to the camera") != NULL);
+    }
+    options.integrator = ETD_INTEGRATOR_PATH;
+    options.max_depth = 5;
+    CHECK_STATUS(etd_render(scene, film, &options), ETD_UNSUPPORTED);
+    CHECK(strstr(etd_last_error_message(), "integrator.lightPaths is true, and render.maxDepth") != NULL);
+    options.max_depth = 0;
+    options.filter = ETD_FILTER_MITCHELL;
+    CHECK_STATUS(etd_render(scene, film, &options), ETD_UNSUPPORTED);
+    CHECK(strstr(etd_last_error_message(), "integrator.lightPaths is true, and the filter mitchell") != NULL);
 }
 
 /* No numbers, and numbers out of range. */
@@ -353,6 +374,7 @@ void misuse_photons(void) {
     pass_whole_numbers();
     pass_other_numbers();
     pass_shared_hits();
+    pass_light_paths();
     read_settings_of_a_scene();
     pass_parts_of_pictures();
     pass_options_of_the_first_version();

@@ -581,6 +581,11 @@ fn renders(l: &mut List) {
             "\"integrator\": {\"type\": \"path\",\n@\"reuse\": 1}",
             "integrator.reuse: invalid type: integer `1`, expected a boolean",
         ),
+        (
+            "light paths as a text",
+            "\"integrator\": {\"type\": \"path\",\n@\"lightPaths\": \"on\"}",
+            "integrator.lightPaths: invalid type: string \"on\", expected a boolean",
+        ),
         ("reuse beside the integrator", "\"integrator\": \"path\",\n@\"reuse\": true", "reuse: unknown key"),
         ("seed negative", "@\"seed\": -1", "seed: invalid value: integer `-1`"),
         (

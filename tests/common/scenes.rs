@@ -109,10 +109,11 @@ pub fn render(desc: &SceneDesc, job: &Job) -> (Image, Summary) {
     render_scene(&scene, job.desc())
 }
 
-/// Renders a built scene with two threads. Pixels share hits only where the settings say so, since [`mean_and_error`] needs pixels
+/// Renders a built scene with two threads. Pixels share hits and light paths only where the settings say so, since [`mean_and_error`] needs pixels
 /// that are independent.
 pub fn render_scene(scene: &Scene, desc: RenderDesc) -> (Image, Summary) {
-    let desc = RenderDesc { reuse: desc.reuse.or(Some(false)), ..desc };
+    let (reuse, light_paths) = (desc.reuse.or(Some(false)), desc.light_paths.or(Some(false)));
+    let desc = RenderDesc { reuse, light_paths, ..desc };
     let settings = RenderSettings { desc, threads: 2, ..RenderSettings::default() };
     let mut render = Render::new(scene, settings).expect("settings of the test");
     let summary = render.run(&mut |_| ControlFlow::Continue(())).expect("no worker panics");

@@ -671,6 +671,7 @@ pub fn settings() -> Vec<RenderDesc> {
         filter: FilterDesc::Gaussian { sigma: third(1.0) },
         integrator: IntegratorDesc::Sppm,
         reuse: Some(true),
+        light_paths: Some(true),
         spectral: true,
         white_balance: Some([1.0 / 3.0, 0.3]),
         max_depth: Some(u32::MAX),

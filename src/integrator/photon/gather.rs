@@ -233,7 +233,7 @@ impl Gather {
 }
 
 impl<C: Spectrum> Gather<C> {
-    fn limits(&self) -> Limits {
+    fn limits(&self) -> Limits<'_> {
         Limits { max_depth: self.max_depth, ..Limits::new(self.shadow_rays) }
     }
 

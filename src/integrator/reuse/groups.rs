@@ -32,15 +32,16 @@ enum Stage {
     AimedChain,
 }
 
-/// A ray from a first vertex towards a perfectly specular surface, and its weight: f |cos| over the densities by which it and the path's own
-/// bounce find the direction. `None` where nothing is scattered.
+/// A ray from a first vertex towards a perfectly specular surface, its weight, which is f |cos| over the densities by which it and the path's
+/// own bounce find the direction, and the sum of these densities (sr^-1). `None` where nothing is scattered.
 #[inline]
-fn aim<C: Spectrum>(vertex: &Vertex<'_, C>, aims: &Aims, u: [f32; 4]) -> Option<(Ray, C)> {
+fn aim<C: Spectrum>(vertex: &Vertex<'_, C>, aims: &Aims, u: [f32; 4]) -> Option<(Ray, C, f32)> {
     let (wi, pdf) = aims.sample(vertex.surface.point.p, vertex.facing(), u[0], [u[1], u[2]])?;
     let (ray, weight) = vertex.leave_towards(wi)?;
     let own = vertex.bsdf.pdf(vertex.wo, vertex.to_local(wi));
-    let weight = weight / (pdf + own);
-    weight.is_finite().then_some((ray, weight))
+    let pdf = pdf + own;
+    let weight = weight / pdf;
+    weight.is_finite().then_some((ray, weight, pdf))
 }
 
 /// The paths of some groups. The memory is kept from wave to wave, so that later waves do not allocate.
@@ -214,7 +215,7 @@ impl<C: Spectrum> Groups<C> {
                 second.light(scene, &vertex, sampler, limits.shadow_rays, send);
                 let next = second.leave(&vertex, walk, sampler, limits);
                 if next.is_some() && second.bounce.is_none() {
-                    walk.throughput *= paths.weight_against_aims(path, aims, rays[i].direction);
+                    walk.weigh(paths.weight_against_aims(path, aims, rays[i].direction));
                 }
                 *stage = if second.bounce.is_some() { Stage::ToThird } else { Stage::Beyond };
                 paths.keep_bsdf(&second.vertex, slot.take());
@@ -229,9 +230,11 @@ impl<C: Spectrum> Groups<C> {
                 let left = bounce.as_ref().and_then(|bounce| Some((bounce.pdf?, bounce.survival)));
                 *stage = if left.is_some() { Stage::ToSecond } else { Stage::Beyond };
                 if !aims.is_empty()
-                    && let Some((ray, weight)) = aim(&vertex, aims, sampler.next_4d())
+                    && let Some((ray, weight, pdf)) = aim(&vertex, aims, sampler.next_4d())
                 {
-                    walks[count + path] = before.aimed(weight);
+                    let light_paths = limits.light_paths.filter(|_| before.depth == 1);
+                    let density = light_paths.map_or(0.0, |paths| paths.density(&vertex, ray.direction, pdf));
+                    walks[count + path] = before.aimed(weight, density);
                     aimed.push(((count + path) as u32, ray));
                 }
                 paths.keep_bsdf(&kept, slot.take());
@@ -248,7 +251,7 @@ impl<C: Spectrum> Groups<C> {
                     // The light comes by a perfectly specular surface, which no other path can ask for it.
                     *stage = Stage::Beyond;
                     if bounce.as_ref().is_some_and(|bounce| bounce.pdf.is_none()) {
-                        walk.throughput *= paths.weight_against_aims(path, aims, rays[i].direction);
+                        walk.weigh(paths.weight_against_aims(path, aims, rays[i].direction));
                     }
                 }
                 bounce.map(|bounce| bounce.ray)

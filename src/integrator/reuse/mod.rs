@@ -29,6 +29,8 @@ mod paths;
 pub use groups::Groups;
 
 use super::aim::Aims;
+use super::light_tracing::LightPaths;
+use super::walk::Limits;
 use super::wave::Sample;
 use super::{Context, FirstHit, Path, Tracer, Transport};
 use crate::math::Ray;
@@ -48,12 +50,24 @@ const MOST_AIMS: usize = 3;
 pub struct PathReuse {
     path: Path,
     aims: Aims,
+    light_paths: Option<Box<LightPaths>>,
 }
 
 impl PathReuse {
     /// Path tracing of a scene with the settings of `path`.
     pub fn new(scene: &Scene, path: Path) -> Self {
-        Self { path, aims: Aims::of_few(scene, f32::MIN_POSITIVE, MOST_AIMS) }
+        Self { path, aims: Aims::of_few(scene, f32::MIN_POSITIVE, MOST_AIMS), light_paths: None }
+    }
+
+    /// What rays from first vertices are aimed at.
+    pub(crate) fn aims(&self) -> &Aims {
+        &self.aims
+    }
+
+    /// The same beside light paths, if there are any.
+    #[must_use]
+    pub fn beside(self, light_paths: Option<LightPaths>) -> Self {
+        Self { light_paths: light_paths.map(Box::new), ..self }
     }
 }
 
@@ -83,6 +97,7 @@ impl<C: Spectrum> Transport<C> for PathReuse {
         groups: &mut Groups<C>,
         tracer: &mut T,
     ) {
-        groups.trace(scene, samples, ends, tracer, (&self.path.limits(), &self.aims));
+        let limits = Limits { light_paths: self.light_paths.as_deref(), ..self.path.limits() };
+        groups.trace(scene, samples, ends, tracer, (&limits, &self.aims));
     }
 }

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::super::share::{MAX_SHARES, Share};
+use super::super::ways::Ways;
 use super::damaged;
 use crate::desc::{MAX_PIXELS, RenderDesc, SamplerDesc, elided};
 use crate::embree::instruction_set;
@@ -32,6 +33,8 @@ pub(in super::super) struct Header {
     pub adaptive: Option<Measure>,
     /// Whether pixels share hits; null as long as a pilot is to say.
     pub reuse: Option<bool>,
+    /// Number of light paths for each sample of all pixels; `None` as long as a pilot is to say.
+    pub light_paths: Option<u32>,
     /// Number of complete samples per pixel.
     pub samples: u32,
     /// Number of samples per pixel at which the next decision is made.
@@ -163,11 +166,18 @@ impl Header {
         let has_aspect = pixel_aspect > 0.0 && pixel_aspect.is_finite();
         let has_stage = self.stage.is_none_or(|[begin, end]| begin <= end);
         let has_part = self.share.is_none_or(|[number, count]| Share::new(number, count).is_ok());
-        if !(is_possible && has_aspect && share > 0 && has_stage && has_part) {
+        // A file is not to ask for more work than a pilot does.
+        let has_paths = self.light_paths.is_none_or(|count| u64::from(count) <= pixels(picture).max(8));
+        if !(is_possible && has_aspect && share > 0 && has_stage && has_part && has_paths) {
             return Err(damaged(&format!("its header is of no render: {:?}, {MAX_SHARES} parts at most", self.film)));
         }
         let placement = (!is_picture).then_some(Placement { origin, picture, pixel_aspect });
         Ok(FilmOptions { resolution, placement, auxiliary, share, weighted, gathering })
+    }
+
+    /// What pixels have in common.
+    pub fn ways(&self) -> Ways {
+        Ways { reuse: self.reuse, light_paths: self.light_paths }
     }
 
     /// The part of the picture.
@@ -214,6 +224,12 @@ impl Header {
             let say = |reuse| if reuse { "sharing hits" } else { "keeping to themselves" };
             return refuse("with pixels", &say(there), &format!("has pixels {}", say(here)));
         }
+        if let (Some(here), Some(there)) = (self.light_paths, there.light_paths)
+            && (here == 0) != (there == 0)
+        {
+            let say = |count| if count == 0 { "without" } else { "with" };
+            return refuse(say(there), &"light paths", &format!("is {} them", say(here)));
+        }
         if self.film != there.film {
             let message = "the checkpoint keeps other layers, or another part of the picture, than this render";
             return Err(Error::new(ErrorKind::Unsupported, message));
@@ -250,7 +266,7 @@ impl Header {
 /// The settings as a scene file has them, without those that may change from one part of a render to the next: whether pixels share
 /// hits, which has a place of its own, and the number of samples where no pattern is planned for it.
 pub(super) fn settings(desc: &RenderDesc) -> Result<Value> {
-    let mut block = RenderDesc { reuse: None, ..desc.clone() }.to_value()?;
+    let mut block = RenderDesc { reuse: None, light_paths: None, ..desc.clone() }.to_value()?;
     if let (SamplerDesc::Sobol | SamplerDesc::Random, Some(block)) = (desc.sampler, block.as_object_mut()) {
         block.remove("samples");
     }

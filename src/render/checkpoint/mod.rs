@@ -74,6 +74,7 @@ pub(super) fn begin(
         film: film.into(),
         adaptive: is_adaptive.then(|| settings.error_measure.into()),
         reuse: None,
+        light_paths: None,
         samples: 0,
         decision: 0,
         stage: None,
@@ -216,7 +217,7 @@ impl Checkpoint {
             let share = part.share();
             let header = Header { share: None, ..part };
             whole.check(&header)?;
-            if whole.reuse != header.reuse {
+            if (whole.reuse, whole.light_paths) != (header.reuse, header.light_paths) {
                 return invalid("some shares have no samples, others have".to_owned());
             }
             // A part that was stopped early has fewer samples; the whole goes on from there.

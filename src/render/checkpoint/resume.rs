@@ -2,14 +2,12 @@
 
 use std::sync::Arc;
 
-use super::super::method::Method;
 use super::super::schedule::Schedule;
+use super::super::ways::Ways;
 use super::super::{Maps, Render, RenderSettings};
 use super::{Checkpoint, Header};
 use crate::error::{Error, ErrorKind, Result};
 use crate::film::Film;
-use crate::integrator::Path;
-use crate::integrator::reuse::PathReuse;
 use crate::scene::Scene;
 
 impl Render {
@@ -17,7 +15,7 @@ impl Render {
     /// bit.
     ///
     /// Scene and settings must be those of the checkpoint. These may differ: the number of samples with the samplers `Sobol` and
-    /// `Random`, the time limit, the target error, threads, and the plan of further checkpoints. `adaptive`, `reuse`, `share` and
+    /// `Random`, the time limit, the target error, threads, and the plan of further checkpoints. `adaptive`, `reuse`, `light_paths`, `share` and
     /// the layers of first hits are those of the checkpoint where the settings leave them open. With more samples than the render was
     /// begun with, an adaptive render chooses among pixels at other numbers of samples than one that was begun with as many.
     ///
@@ -31,8 +29,10 @@ impl Render {
         let share = settings.share.or(header.share());
         let auxiliary = settings.auxiliary || film.options().auxiliary;
         let mut render = Self::new(scene, RenderSettings { adaptive, share, auxiliary, ..settings })?;
-        Header { reuse: render.desc.reuse, ..render.header.clone() }.check(&header)?;
-        render.set_reuse(header.reuse);
+        // Of a number of light paths that was asked for, only whether there are any is known.
+        let light_paths = render.desc.light_paths.map(u32::from);
+        Header { reuse: render.desc.reuse, light_paths, ..render.header.clone() }.check(&header)?;
+        render.set_ways(header.ways());
         // Another render may still fill the film of a checkpoint that was not read from a file.
         render.film = Arc::new(Arc::try_unwrap(film).or_else(|film| Film::copy_of(&film))?);
         render.stage = stage;
@@ -45,25 +45,6 @@ impl Render {
         render.earlier_rays = header.rays;
         render.non_finite = render.film.non_finite();
         Ok(render)
-    }
-
-    /// Takes what a pilot has said, if it has, so that it is not asked again.
-    pub(in super::super) fn set_reuse(&mut self, reuse: Option<bool>) {
-        if reuse.is_some() && self.reuse() != reuse {
-            let path = Path { max_depth: self.desc.max_depth, shadow_rays: self.desc.shadow_rays };
-            self.undecided = None;
-            self.method =
-                if reuse == Some(true) { Method::Reuse(PathReuse::new(&self.scene, path)) } else { Method::Path };
-        }
-    }
-
-    /// Whether pixels share hits; `None` as long as a pilot is to say.
-    pub(in super::super) fn reuse(&self) -> Option<bool> {
-        match (&self.method, &self.undecided) {
-            (_, Some(_)) => None,
-            (Method::Reuse(_), None) => Some(true),
-            _ => Some(false),
-        }
     }
 
     /// The state of the render at this moment. Its film is that of the render, which goes on filling it.
@@ -79,8 +60,10 @@ impl Render {
     }
 
     pub(in super::super) fn state(&self) -> Checkpoint {
+        let Ways { reuse, light_paths } = self.ways();
         let header = Header {
-            reuse: self.reuse(),
+            reuse,
+            light_paths,
             samples: self.samples,
             decision: self.decision,
             stage: self.stage.as_ref().map(|stage| stage.span()),

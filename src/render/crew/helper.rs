@@ -9,7 +9,7 @@ use super::super::checkpoint::Checkpoint;
 use super::super::pass::Pass;
 use super::super::schedule::Schedule;
 use super::super::share::Tiles;
-use super::super::{Render, RenderSettings, Workers};
+use super::super::{Progress, Render, RenderSettings, Workers};
 use super::message::Message;
 use super::{Event, Link};
 use crate::error::{Error, ErrorKind, Result};
@@ -122,10 +122,10 @@ impl<'s> Helper<'s> {
                     })?;
                     self.render = Some(render);
                 }
-                (Message::Pass { number, from, to, reuse }, _) => {
+                (Message::Pass { number, from, to, ways }, _) => {
                     let render = self.render.as_mut().ok_or_else(unexpected)?;
                     (render.samples, self.goal) = (from, to);
-                    render.set_reuse(reuse);
+                    render.set_ways(ways);
                     self.prepare(number, inbox)?;
                 }
                 (Message::Tiles { pass, tiles, goals }, beside) => self.tiles(pass, &tiles, goals, beside, inbox)?,
@@ -147,14 +147,19 @@ impl<'s> Helper<'s> {
         let render = self.render.as_mut().ok_or_else(unexpected)?;
         let schedule = Schedule::new(&render.settings, 1, false);
         let mut failure = None;
-        let ended = render.prepare(&schedule, Instant::now(), &mut |_| {
+        let mut heed = |_: &Progress| {
             failure = failure.take().or(inbox.look().err());
             if failure.is_some() || inbox.stopped >= number {
                 ControlFlow::Break(())
             } else {
                 ControlFlow::Continue(())
             }
-        })?;
+        };
+        let count = self.goal - render.samples;
+        let mut ended = render.prepare(&schedule, Instant::now(), &mut heed)?;
+        if ended.is_none() {
+            ended = render.trace_light(count, &schedule, Instant::now(), &mut heed)?;
+        }
         self.is_prepared = ended.is_none();
         failure.map_or(Ok(()), Err)
     }

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use super::super::checkpoint::Checkpoint;
 use super::super::pass::Pass;
+use super::super::ways::Ways;
 use super::dispatch::{Dispatch, MOST_BATCHES};
 use super::message::Message;
 use super::{Event, Link};
@@ -57,11 +58,11 @@ impl<'l> Crew<'l> {
     }
 
     /// A pass begins that brings pixels from `from` to `to` samples.
-    pub(in super::super) fn begin_pass(&mut self, from: u32, to: u32, reuse: Option<bool>) {
+    pub(in super::super) fn begin_pass(&mut self, from: u32, to: u32, ways: Ways) {
         self.pass = PASSES.fetch_add(1, Ordering::Relaxed) + 1;
         self.dispatch.begin_pass();
         self.stopped = None;
-        self.tell_all(&Message::Pass { number: self.pass, from, to, reuse }, &[]);
+        self.tell_all(&Message::Pass { number: self.pass, from, to, ways }, &[]);
     }
 
     /// Takes tiles back, and gives new ones. It is called often while a pass is rendered.

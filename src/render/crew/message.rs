@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::super::ways::Ways;
 use crate::error::{Error, ErrorKind, Result};
 
 /// A message. Some have bytes beside.
@@ -9,8 +10,8 @@ use crate::error::{Error, ErrorKind, Result};
 pub(super) enum Message {
     /// To a helper: a run begins. Beside it is the state of the render, a checkpoint without samples.
     Begin,
-    /// To a helper: the pixels are to get from `from` to `to` samples, and share hits or do not. What they need is to be prepared.
-    Pass { number: u64, from: u32, to: u32, reuse: Option<bool> },
+    /// To a helper: the pixels are to get from `from` to `to` samples, with these ways to take them. What they need is to be prepared.
+    Pass { number: u64, from: u32, to: u32, ways: Ways },
     /// To a helper: tiles to be rendered. Beside it are, of each tile, the goals of its pixels where they have some, and its state where
     /// it has samples.
     Tiles { pass: u64, tiles: Vec<(u32, bool)>, goals: bool },

@@ -71,6 +71,7 @@ fn crop(case: &mut Case) {
         },
         radiosity: RadiosityDesc { element_size: Some(0.5), error: 20.0, ..RadiosityDesc::default() },
         reuse: Some(false),
+        light_paths: Some(false),
         ..RenderDesc::default()
     };
     let mut compare = |what: String, scene: &Scene, desc: &RenderDesc| {
@@ -90,6 +91,8 @@ fn crop(case: &mut Case) {
     let room = load("room.json");
     let scene = build(&room);
     compare("path, reuse".to_owned(), &scene, &RenderDesc { reuse: Some(true), ..base.clone() });
+    let lit = RenderDesc { light_paths: Some(true), filter: FilterDesc::Tent, ..base.clone() };
+    compare("path, light paths".to_owned(), &scene, &lit);
     for (name, sampler, filter) in [
         ("random, mitchell", SamplerDesc::Random, FilterDesc::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 }),
         ("jittered, gaussian", SamplerDesc::Jittered, FilterDesc::Gaussian { sigma: 0.5 }),

@@ -66,13 +66,15 @@ fn threads(case: &mut Case) {
             filter,
             integrator,
             reuse: Some(false),
+            light_paths: Some(false),
             ..RenderDesc::default()
         })
         .collect();
     // Pixels in groups, which are cut where the picture ends.
     let reuse = RenderDesc { resolution: [45, 37], samples, reuse: Some(true), ..RenderDesc::default() };
     let jittered = RenderDesc { sampler: SamplerDesc::Jittered, ..reuse.clone() };
-    let descs: Vec<RenderDesc> = descs.into_iter().chain([reuse, jittered]).collect();
+    let lit = RenderDesc { light_paths: Some(true), ..reuse.clone() };
+    let descs: Vec<RenderDesc> = descs.into_iter().chain([reuse, jittered, lit]).collect();
     let references: Vec<Vec<u32>> = descs.iter().map(|desc| bits(&image(&scene, desc, 1, None, 0))).collect();
     let values: usize = references.iter().map(Vec::len).sum();
     let mut row = |what: &str, render: &dyn Fn(&RenderDesc) -> Image| {

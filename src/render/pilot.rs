@@ -1,0 +1,470 @@
+//! A pilot: small parts of the picture that are rendered in several ways, and some light paths, which say in which way the render takes
+//! least time to the same error.
+//!
+//! Where light paths are open, the squares are rendered with the weights that paths from the camera have beside light paths, so that their
+//! error is of all else; 16 samples would tell little of how rarely such paths meet a caustic. What that comes to is told by light paths.
+//! Where one of them arrives, both its density and the density a with which paths from the camera find the same light are known. With
+//! contributions x = f / b for the density b of N light paths, second moments are sums over them: f^2 / a, of paths from the camera
+//! alone, is the sum of x^2 b / a; a f^2 / (a + b)^2, of these with their weights, that of x^2 a b / (a + b)^2; and f^2 / (a + b), of both
+//! together, that of x^2 b / (a + b). With k times as many light paths, b becomes k b.
+//!
+//! Source: Grittmann, Yazici, Georgiev, Slusallek 2022, "Efficiency-Aware Multiple Importance Sampling for Bidirectional Rendering
+//! Algorithms".
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::method::Method;
+use super::order::SQUARE;
+use super::pass::{Light, Pass, PassInput};
+use super::ways::{LIGHT_SEED, SAMPLES, Undecided};
+use crate::control::Parallel;
+use crate::desc::RenderDesc;
+use crate::error::Result;
+use crate::film::{ErrorEstimate, Film, FilmOptions, Placement};
+use crate::integrator::aim::Aims;
+use crate::integrator::light_tracing::{LightPaths, LightPictures, PATHS_A_BLOCK};
+use crate::spectrum::LUMINANCE_WEIGHTS;
+
+/// Least and greatest number of squares of a pilot in a row and in a column.
+pub(super) const ACROSS: [u32; 2] = [6, 10];
+
+/// Number of samples of a picture over those of its pilot. Both ways together take about the time of three paths for each sample of the
+/// pilot, which then is a thirtieth of the picture's.
+pub(super) const TIMES_LONGER: u64 = 90;
+
+/// Number of samples of a picture for each light path of its pilot.
+const SAMPLES_A_LIGHT_PATH: u64 = 48;
+
+/// Most light paths of a pilot.
+const MOST_LIGHT_PATHS: u64 = 1 << 20;
+
+/// Random numbers of the pilot. They do not depend on the seed of the render, so that renders of the same settings choose alike.
+const SEED: u64 = 0x70_696c_6f74;
+
+/// Time of a ray of sharing over the time of a path's ray without. The rays that sharing adds are shadow rays to common ends.
+const TIME_OF_A_SHARED_RAY: f64 = 0.45;
+
+/// The same for a ray of a light path, with the choice of where it begins.
+const TIME_OF_A_LIGHT_RAY: f64 = 1.6;
+
+/// The gain in time from which on another way than that of paths by themselves is taken. Pilots promise a little more than pictures keep.
+const LEAST_GAIN: f64 = 1.1;
+
+/// The same for light paths. What their squares tell knows nothing of the even spread of samples, which makes camera paths better than
+/// that.
+const LEAST_LIGHT_GAIN: f64 = 1.2;
+
+/// Numbers of light paths that are considered, in those of [`LightPaths::new`].
+const TIMES_AS_MANY: [u32; 4] = [1, 2, 4, 8];
+
+/// A square of which few pixels have most of the error is left out where one way has so many times the error of the other.
+const FEW_TIMES: f64 = 4.0;
+
+/// The least share of a square's error that is taken to have nothing to do with caustics.
+const LEAST_REST: f64 = 0.05;
+
+/// What a pilot found.
+#[derive(Clone, Debug)]
+pub(super) struct Found {
+    /// How many times longer a picture takes without shared hits to the same error, where it was asked.
+    pub sharing: f64,
+    /// How many times longer it takes without light paths, and how many of them are best for each sample.
+    pub light: f64,
+    pub count: u32,
+    /// Number of rays of the pilot.
+    pub rays: u64,
+}
+
+impl Found {
+    /// Whether pixels are to share hits.
+    pub fn shares(&self) -> bool {
+        self.sharing >= LEAST_GAIN
+    }
+
+    /// Whether light paths are to be traced.
+    pub fn traces_light(&self) -> bool {
+        self.light >= LEAST_LIGHT_GAIN
+    }
+}
+
+const NO_ERROR: ErrorEstimate = ErrorEstimate { value: 0.0, standard_error: 0.0 };
+
+/// What a square of the pilot came to in one way.
+#[derive(Clone, Copy, Debug)]
+struct Cost {
+    /// Estimated relMSE, or [`NO_ERROR`] where the square is black.
+    error: ErrorEstimate,
+    rays: u64,
+}
+
+/// What is known of a square.
+#[derive(Clone, Debug)]
+struct Square {
+    origin: [u32; 2],
+    /// For each way.
+    costs: Vec<Cost>,
+    /// For each way the mean luminance of each pixel and its variance, where light paths are open.
+    pixels: Vec<Vec<[f64; 2]>>,
+    /// What light paths tell of it, for each way.
+    caustics: Vec<Caustics>,
+}
+
+/// The part of an error that is of caustics, in one way.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Caustics {
+    /// By paths from the camera alone.
+    alone: f64,
+    /// By these with the weights that they have beside light paths.
+    weighted: f64,
+    /// With light paths beside, for each of [`TIMES_AS_MANY`].
+    beside: [f64; TIMES_AS_MANY.len()],
+}
+
+impl Caustics {
+    /// Adds others, times `scale`.
+    fn add(&mut self, other: &Self, scale: f64) {
+        self.alone += scale * other.alone;
+        self.weighted += scale * other.weighted;
+        self.beside.iter_mut().zip(other.beside).for_each(|(sum, of)| *sum += scale * of);
+    }
+}
+
+/// Whether the error of a square says nothing about the ways: rare bright paths were met by one of them only.
+fn is_by_chance(square: &Square) -> bool {
+    let [first, second] = square.costs[..] else { return false };
+    let [mut less, mut more] = [first, second].map(|cost| cost.error);
+    if less.value > more.value {
+        std::mem::swap(&mut less, &mut more);
+    }
+    more.is_heavy_tailed() && more.value > FEW_TIMES * less.value
+}
+
+/// Renders small squares of the picture in the ways that are open, and traces some light paths.
+///
+/// # Errors
+/// [`crate::ErrorKind::Cancelled`] if the work was stopped, `OutOfMemory` for films of squares that do not fit.
+pub(super) fn pilot(input: &PassInput, undecided: &Undecided, parallel: &mut impl Parallel) -> Result<Found> {
+    let across = undecided.across;
+    let token = parallel.token();
+    let samples = input.desc.resolution.map(u64::from).iter().product::<u64>() * u64::from(input.desc.samples);
+    let desc = Arc::new(RenderDesc { seed: SEED, samples: SAMPLES, ..(*input.desc).clone() });
+    let input = PassInput { desc, ..input.clone() };
+    let mut methods = vec![input.method.clone()];
+    methods.extend(undecided.sharing.clone().map(Method::Reuse));
+    let aims = methods.iter().map(|method| match method {
+        Method::Reuse(reuse) => Some(reuse.aims().clone()),
+        _ => None,
+    });
+    let aims: Vec<Option<Aims>> = aims.collect();
+    let light = undecided.light.clone().map(|paths| Light { paths, pictures: LightPictures::default() });
+    let input = PassInput { light, ..input };
+    let squares = {
+        let (input, methods) = (input.clone(), methods.clone());
+        parallel.map((across * across) as usize, move |number| {
+            let origin = place(&input, across, number as u32);
+            let mut square = Square { origin, costs: Vec::new(), pixels: Vec::new(), caustics: Vec::new() };
+            for method in &methods {
+                let film = Arc::new(film(&input, origin)?);
+                let input = PassInput { method: method.clone(), film: Arc::clone(&film), ..input.clone() };
+                let has_light = input.light.is_some();
+                let rays = Pass::new(input, SAMPLES, None, token.clone()).into_rays();
+                square.costs.push(Cost { error: film.rel_mse().unwrap_or(NO_ERROR), rays });
+                square.pixels.extend(has_light.then(|| film.luminances()));
+            }
+            Ok(square)
+        })?
+    };
+    let mut squares = squares.into_iter().collect::<Result<Vec<_>>>()?;
+    let mut light_rays = (0, 1);
+    if let Some(paths) = &undecided.light {
+        let count = (samples / SAMPLES_A_LIGHT_PATH).clamp(u64::from(PATHS_A_BLOCK), MOST_LIGHT_PATHS) as u32;
+        let rays = trace_light(&input, paths, count, &aims, &mut squares, parallel)?;
+        light_rays = (rays, count);
+    }
+    let pixels = input.desc.resolution.map(f64::from).iter().product::<f64>();
+    let light = undecided.light.as_ref().map(|paths| {
+        // Of a sample of the squares' pixels.
+        let rays = light_rays.0 as f64 / f64::from(light_rays.1) * f64::from(paths.count()) / pixels;
+        (paths.count(), rays * f64::from(across * across * SQUARE * SQUARE * SAMPLES))
+    });
+    let mut found = compare(squares, light);
+    found.rays += light_rays.0;
+    Ok(found)
+}
+
+/// Traces light paths, and adds what they tell to the squares where they arrive.
+fn trace_light(
+    input: &PassInput,
+    paths: &LightPaths,
+    count: u32,
+    aims: &[Option<Aims>],
+    squares: &mut [Square],
+    parallel: &mut impl Parallel,
+) -> Result<u64> {
+    let origins: Vec<[u32; 2]> = squares.iter().map(|square| square.origin).collect();
+    let (scene, paths, aims, token) = (input.scene.clone(), paths.clone(), aims.to_vec(), parallel.token());
+    let shares = f64::from(paths.count()) / f64::from(count);
+    let blocks = parallel.map(count.div_ceil(PATHS_A_BLOCK) as usize, move |block| {
+        let first = block as u32 * PATHS_A_BLOCK;
+        let range = first..count.min(first + PATHS_A_BLOCK);
+        let mut told = Vec::new();
+        if token.is_cancelled() {
+            return (told, 0);
+        }
+        let rays = paths.connections(&scene, (0, SEED ^ LIGHT_SEED), range, &mut |connection| {
+            let inside = |origin: &[u32; 2]| {
+                (0..2).all(|axis| {
+                    let at = connection.place[axis] - origin[axis] as f32;
+                    (0.0..SQUARE as f32).contains(&at)
+                })
+            };
+            let Some(square) = origins.iter().position(inside) else { return };
+            let [x, y] = [0, 1].map(|axis| (connection.place[axis] - origins[square][axis] as f32) as u32);
+            let pixel = (y.min(SQUARE - 1) * SQUARE + x.min(SQUARE - 1)) as usize;
+            let value = f64::from(connection.light.dot(LUMINANCE_WEIGHTS));
+            let density = f64::from(connection.density);
+            let [p, n, wi] = connection.at;
+            let of = aims.iter().map(|aims| {
+                let aimed = aims.as_ref().filter(|aims| !aims.is_empty()).map_or(0.0, |aims| aims.pdf(p, n, wi));
+                let own = f64::from(connection.seen * (connection.pdf + aimed));
+                let both = own + density;
+                let moment = shares * value * value * density;
+                let beside = TIMES_AS_MANY.map(|times| moment / (own + f64::from(times) * density));
+                let caustics = Caustics { alone: moment / own, weighted: moment * own / (both * both), beside };
+                (shares * value * density / both, caustics)
+            });
+            let of: Vec<(f64, Caustics)> = of.collect();
+            told.push((square, pixel, of));
+        });
+        (told, rays)
+    })?;
+    let mut rays = 0;
+    // For each square and pixel the light, by the weights of the last way, and the moments of each way.
+    let mut brought: BTreeMap<(usize, usize), (f64, Vec<Caustics>)> = BTreeMap::new();
+    for (told, block_rays) in blocks {
+        rays += block_rays;
+        for (square, pixel, of) in told {
+            let (light, moments) =
+                brought.entry((square, pixel)).or_insert_with(|| (0.0, vec![Caustics::default(); of.len()]));
+            *light += of.last().map_or(0.0, |(light, _)| *light);
+            for (sum, (_, of)) in moments.iter_mut().zip(&of).filter(|(_, (_, of))| of.alone.is_finite()) {
+                sum.add(of, 1.0);
+            }
+        }
+    }
+    for (number, square) in squares.iter_mut().enumerate() {
+        square.caustics = vec![Caustics::default(); square.costs.len()];
+        let of_pixel = |pixel: usize| brought.get(&(number, pixel));
+        // The last way has the least noise.
+        let means = square.pixels.last().into_iter().flatten().enumerate();
+        let means: Vec<f64> =
+            means.map(|(pixel, [mean, _])| mean + of_pixel(pixel).map_or(0.0, |(light, _)| *light)).collect();
+        let squared = squared(&means);
+        for (cost, pixels) in square.costs.iter_mut().zip(&square.pixels) {
+            cost.error = mean_error(pixels.iter().zip(&squared).map(|([_, variance], squared)| variance / squared));
+        }
+        for (pixel, squared) in squared.iter().enumerate() {
+            let Some((_, moments)) = of_pixel(pixel) else { continue };
+            // Of the mean of a pixel's samples, and of the square's pixels.
+            let scale = 1.0 / (squared * f64::from(SAMPLES * SQUARE * SQUARE));
+            square.caustics.iter_mut().zip(moments).for_each(|(sum, of)| sum.add(of, scale));
+        }
+    }
+    Ok(rays)
+}
+
+/// Squares of the pixels' means as relMSE divides by them, from means over 3 x 3 pixels, since a pixel's own would be bright where chance
+/// made its error large.
+fn squared(means: &[f64]) -> Vec<f64> {
+    let side = SQUARE as usize;
+    let mean = means.iter().sum::<f64>() / means.len() as f64;
+    let floor = (1e-2 * mean * mean).max(f64::MIN_POSITIVE);
+    let around = |at: usize| at.saturating_sub(1)..(at + 2).min(side);
+    let blurred = |pixel: usize| {
+        let (x, y) = (pixel % side, pixel / side);
+        let (mut sum, mut count) = (0.0, 0.0);
+        for y in around(y) {
+            for x in around(x) {
+                (sum, count) = (sum + means[y * side + x], count + 1.0);
+            }
+        }
+        let mean: f64 = sum / count;
+        mean * mean + floor
+    };
+    (0..means.len()).map(blurred).collect()
+}
+
+/// The mean of errors, and how sure it is.
+fn mean_error(errors: impl Iterator<Item = f64>) -> ErrorEstimate {
+    let (mut count, mut sum, mut squares) = (0.0, 0.0, 0.0);
+    for error in errors.filter(|error| error.is_finite()) {
+        (count, sum, squares) = (count + 1.0, sum + error, squares + error * error);
+    }
+    if count < 2.0 {
+        return NO_ERROR;
+    }
+    let value: f64 = sum / count;
+    let variance = (squares / count - value * value).max(0.0) / (count - 1.0);
+    ErrorEstimate { value, standard_error: variance.sqrt() }
+}
+
+/// Where a square of the pilot lies. Each cell of the picture has a square, at places that are spread evenly and differ from cell to
+/// cell.
+fn place(input: &PassInput, across: u32, number: u32) -> [u32; 2] {
+    // Multiples of the generalised golden ratio (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences").
+    let spread = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2].map(|step| (f64::from(number + 1) * step).fract());
+    let cell = [number % across, number / across];
+    let picture = input.desc.resolution;
+    [0, 1].map(|axis| {
+        let size = f64::from(picture[axis]) / f64::from(across);
+        let place = f64::from(cell[axis]) * size + spread[axis] * (size - f64::from(SQUARE));
+        place as u32 / SQUARE * SQUARE
+    })
+}
+
+/// The film of a square.
+fn film(input: &PassInput, origin: [u32; 2]) -> Result<Film> {
+    let placement = Some(Placement { origin, picture: input.desc.resolution, pixel_aspect: 1.0 });
+    let options = input.film.options();
+    Film::new(FilmOptions { resolution: [SQUARE; 2], placement, auxiliary: false, ..*options })
+}
+
+/// The gain of other ways than the first, by the squares' costs. `light`: number of light paths for each sample of all pixels, and their
+/// number of rays for the samples of the squares.
+fn compare(mut squares: Vec<Square>, light: Option<(u32, f64)>) -> Found {
+    let ways = squares.first().map_or(1, |square| square.costs.len());
+    let rays: Vec<u64> = (0..ways).map(|way| squares.iter().map(|square| square.costs[way].rays).sum()).collect();
+    let few = (rays[0] as f64).max(1.0);
+    let time = |way: usize| 1.0 + TIME_OF_A_SHARED_RAY * (rays[way] as f64 / few - 1.0);
+    squares.retain(|square| !is_by_chance(square));
+    let errors: Vec<f64> =
+        (0..ways).map(|way| squares.iter().map(|square| square.costs[way].error.value).sum()).collect();
+    // Black squares, and those without noise, gain nothing.
+    let gain = |before: f64, after: f64| if before > 0.0 { before / after.max(f64::MIN_POSITIVE) } else { 0.0 };
+    let mut found = Found { sharing: 0.0, light: 0.0, count: 0, rays: rays.iter().sum() };
+    let Some((count, light_rays)) = light else {
+        if ways > 1 {
+            found.sharing = gain(errors[0], errors[1] * time(1));
+        }
+        return found;
+    };
+    let caustics: Vec<Caustics> = (0..ways)
+        .map(|way| {
+            squares.iter().filter_map(|square| square.caustics.get(way)).fold(Caustics::default(), |mut sum, of| {
+                sum.add(of, 1.0);
+                sum
+            })
+        })
+        .collect();
+    let rest = |way: usize| (errors[way] - caustics[way].weighted).max(LEAST_REST * errors[way]);
+    let without = |way: usize| (rest(way) + caustics[way].alone) * time(way);
+    let with = |way: usize, place: usize| {
+        let slower = TIME_OF_A_LIGHT_RAY * f64::from(TIMES_AS_MANY[place]) * light_rays / few;
+        (rest(way) + caustics[way].beside[place]) * (time(way) + slower)
+    };
+    let second = if ways > 1 { gain(without(0), without(1)) } else { 0.0 };
+    let best = |way: usize| {
+        let costs =
+            (0..TIMES_AS_MANY.len()).map(|place| (with(way, place), count.saturating_mul(TIMES_AS_MANY[place])));
+        costs.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::INFINITY, count))
+    };
+    let lit = best(0);
+    let second_lit = if ways > 1 { gain(lit.0, best(1).0) } else { 0.0 };
+    let (cost, count) = if second_lit >= LEAST_GAIN { best(1) } else { lit };
+    found.light = gain(without(usize::from(second >= LEAST_GAIN)), cost);
+    found.count = count;
+    found.sharing = if found.traces_light() { second_lit } else { second };
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Squares with errors [value, standard error] without and with shared hits.
+    fn squares(errors: &[[[f64; 2]; 2]], rays: [u64; 2]) -> Vec<Square> {
+        let cost = |[value, standard_error]: [f64; 2], rays| {
+            let error = ErrorEstimate { value, standard_error };
+            Cost { error, rays }
+        };
+        let square = |errors: &[[f64; 2]; 2]| {
+            let costs = [0, 1].map(|way| cost(errors[way], rays[way])).to_vec();
+            Square { origin: [0; 2], costs, pixels: Vec::new(), caustics: vec![Caustics::default(); 2] }
+        };
+        errors.iter().map(square).collect()
+    }
+
+    #[test]
+    fn the_gain_is_that_of_errors_over_that_of_rays() {
+        let found = compare(squares(&[[[0.3, 0.01], [0.1, 0.01]]; 36], [100, 300]), None);
+        assert!((found.sharing - 3.0 / 1.9).abs() < 1e-12, "{found:?}");
+        assert_eq!(found.rays, 36 * 400);
+        assert!(found.shares() && !found.traces_light());
+        assert!(!compare(squares(&[[[0.3, 0.01], [0.2, 0.01]]; 36], [100, 300]), None).shares());
+    }
+
+    #[test]
+    fn rare_bright_paths_do_not_decide() {
+        let mut errors = [[[0.3, 0.01], [0.1, 0.01]]; 36];
+        errors[7][1] = [1e6, 9e5];
+        errors[20][0] = [1e9, 9e8];
+        let found = compare(squares(&errors, [100, 100]), None);
+        assert!((found.sharing - 3.0).abs() < 1e-12, "{found:?}");
+        // Both ways have the same few noisy pixels, as at the edges of lamps.
+        errors[7] = [[300.0, 200.0]; 2];
+        assert!(compare(squares(&errors, [100, 100]), None).sharing < 1.1);
+    }
+
+    #[test]
+    fn squares_without_light_or_noise_share_nothing() {
+        let of = |errors, rays| compare(squares(&[errors; 36], rays), None).shares();
+        assert!(!of([[0.0; 2]; 2], [100, 100]));
+        assert!(!of([[0.0; 2]; 2], [0, 0]));
+        assert!(of([[0.1, 0.0], [0.0; 2]], [100, 100]));
+        let dark = compare(squares(&[[[0.0; 2]; 2]; 36], [100, 100]), Some((10, 5.0)));
+        assert!(!dark.shares() && !dark.traces_light(), "{dark:?}");
+    }
+
+    /// Squares in which light paths tell of caustics, in both ways.
+    fn with_caustics(errors: [[f64; 2]; 2], caustics: [Caustics; 2]) -> Vec<Square> {
+        let mut squares = squares(&[errors; 36], [100, 300]);
+        squares.iter_mut().for_each(|square| square.caustics = caustics.to_vec());
+        squares
+    }
+
+    #[test]
+    fn light_paths_are_traced_where_caustics_are_most_of_the_noise() {
+        let caustics = |alone, beside: f64| Caustics {
+            alone,
+            weighted: 0.0,
+            beside: [1.0, 0.5, 0.25, 0.125].map(|it| it * beside),
+        };
+        let errors = [[0.1, 0.001], [0.08, 0.001]];
+        // A few light rays beside 3600 of paths: as many of them as make their noise small.
+        let found = compare(with_caustics(errors, [caustics(0.9, 0.1); 2]), Some((10, 36.0)));
+        assert!(found.traces_light() && !found.shares(), "{found:?}");
+        let with = |times: f64, noise: f64| (0.1 + noise) * (1.0 + TIME_OF_A_LIGHT_RAY * times * 0.01);
+        assert_eq!(found.count, 80);
+        assert!((found.light - 1.0 / with(8.0, 0.0125)).abs() < 1e-9, "{found:?}");
+        // Where they are little of it, they are not worth their time, and sharing is chosen as without.
+        let errors = [[0.3, 0.001], [0.1, 0.001]];
+        let found = compare(with_caustics(errors, [caustics(0.01, 0.001); 2]), Some((10, 36.0)));
+        assert!(!found.traces_light() && found.shares(), "{found:?}");
+        // Both.
+        let found = compare(with_caustics(errors, [caustics(0.9, 0.1), caustics(0.6, 0.1)]), Some((10, 36.0)));
+        assert!(found.traces_light() && found.shares(), "{found:?}");
+        // Light rays that take longer than all paths.
+        let found = compare(with_caustics(errors, [caustics(0.1, 0.01); 2]), Some((10, 36000.0)));
+        assert!(!found.traces_light(), "{found:?}");
+    }
+
+    #[test]
+    fn errors_of_few_pixels_are_unsure() {
+        let even = mean_error([2.0; 64].into_iter());
+        assert!(even.value == 2.0 && even.standard_error == 0.0 && !even.is_heavy_tailed());
+        let few = mean_error((0..64).map(|pixel| if pixel == 5 { 64.0 } else { 0.0 }));
+        assert!(few.value == 1.0 && few.is_heavy_tailed());
+        assert_eq!(mean_error([f64::NAN; 64].into_iter()), NO_ERROR);
+    }
+}

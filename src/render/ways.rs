@@ -1,0 +1,221 @@
+//! Ways to take the samples of a render that a pilot chooses among, where the settings leave it open: whether pixels share hits, and
+//! whether light paths find caustics.
+
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+use serde::{Deserialize, Serialize};
+
+use super::Render;
+use super::method::Method;
+use super::order::SQUARE;
+use super::pilot::{ACROSS, TIMES_LONGER};
+use super::report::{Ended, Progress};
+use super::schedule::Schedule;
+use super::settings::RenderSettings;
+use super::worker_pool::WorkerPool;
+use crate::desc::IntegratorDesc;
+use crate::error::{ErrorKind, Result};
+use crate::integrator::Path;
+use crate::integrator::light_tracing::{LightPaths, LightPictures};
+use crate::integrator::reuse::PathReuse;
+use crate::integrator::{check_light_paths, check_reuse, no_light_paths, no_reuse};
+use crate::scene::Scene;
+
+/// Number of samples per pixel of a pilot: two for each replicate.
+pub(super) const SAMPLES: u32 = 16;
+
+/// Shortest time limit with which a pilot is made.
+const LEAST_TIME: Duration = Duration::from_secs(10);
+
+/// Makes the random numbers of light paths others than those of the pixels.
+pub(super) const LIGHT_SEED: u64 = 0x6c69_6768_7400_0000;
+
+/// Whether something is done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Decision {
+    No,
+    Yes,
+    ByPilot,
+}
+
+/// What the settings say about the ways.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Wanted {
+    /// Whether pixels share hits.
+    pub reuse: Decision,
+    /// Whether light paths are traced to the camera.
+    pub light_paths: Decision,
+    /// Number of squares of a pilot in a row and in a column.
+    pub across: u32,
+}
+
+/// What pixels of a render have in common, as checkpoints keep it and helpers hear it: `None` as long as a pilot is to say.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Ways {
+    /// Whether they share hits.
+    pub reuse: Option<bool>,
+    /// Number of light paths for each sample of all of them.
+    pub light_paths: Option<u32>,
+}
+
+impl Wanted {
+    /// What the settings say. `place`: what is rendered, where that is no picture.
+    ///
+    /// # Errors
+    /// [`crate::ErrorKind::Unsupported`] where the settings ask for what cannot be done.
+    pub fn of(
+        scene: &Scene,
+        settings: &RenderSettings,
+        integrator: IntegratorDesc,
+        place: Option<&'static str>,
+    ) -> Result<Self> {
+        let desc = &settings.desc;
+        let squares = squares_across(settings);
+        let decide = |asked: Option<bool>, allowed: &dyn Fn() -> Result<()>| match asked {
+            Some(true) => allowed().map(|()| Decision::Yes),
+            Some(false) => Ok(Decision::No),
+            None if squares.is_some() && allowed().is_ok() => Ok(Decision::ByPilot),
+            None => Ok(Decision::No),
+        };
+        // Whether a picture that was asked for can be rendered must not depend on what is chosen for the scene.
+        let named = |asked: Option<bool>| if asked == Some(true) { desc.integrator } else { integrator };
+        let adaptive = settings.adaptive == Some(true);
+        let reuse = decide(desc.reuse, &|| {
+            match place {
+                Some(place) => no_reuse(&format!("{place} has no neighbouring pixels"), "false")?,
+                None => check_reuse(scene, named(desc.reuse), desc)?,
+            }
+            if adaptive {
+                let why = "adaptive sampling gives neighbouring pixels different numbers of samples";
+                no_reuse(why, "false, or the same number of samples in all pixels")?;
+            }
+            Ok(())
+        })?;
+        let light_paths = decide(desc.light_paths, &|| {
+            match place {
+                Some(place) => no_light_paths(&format!("{place} has no camera"), "false")?,
+                None => check_light_paths(scene, named(desc.light_paths), desc)?,
+            }
+            if adaptive {
+                let why = "adaptive sampling gives pixels different numbers of samples, and light paths are those of all pixels";
+                no_light_paths(why, "false, or the same number of samples in all pixels")?;
+            }
+            Ok(())
+        })?;
+        Ok(Self { reuse, light_paths, across: squares.unwrap_or(ACROSS[0]) })
+    }
+
+    /// Whether one of them was asked for, so that all pixels have the same number of samples.
+    pub fn is_settled_for_all_pixels(&self) -> bool {
+        self.reuse != Decision::No || self.light_paths != Decision::No
+    }
+}
+
+/// Number of squares of the pilot in a row and in a column, for a render that is so long that the pilot is a small part of it. `None` for
+/// others, and for adaptive renders.
+///
+/// It is the picture that counts, whatever part of it is rendered: each part is to show what the whole picture does.
+fn squares_across(settings: &RenderSettings) -> Option<u32> {
+    let [width, height] = settings.desc.resolution;
+    let samples = u64::from(width) * u64::from(height) * u64::from(settings.desc.samples);
+    let affordable = (samples / (TIMES_LONGER * u64::from(SQUARE * SQUARE * SAMPLES))).isqrt();
+    let across = affordable.min(u64::from(ACROSS[1])).min(u64::from(width.min(height) / SQUARE)) as u32;
+    // How many samples there will be is not known.
+    let across = if settings.time_limit.is_some() { across.min(ACROSS[0]) } else { across };
+    let is_short = settings.time_limit.is_some_and(|limit| limit < LEAST_TIME);
+    let is_adaptive = settings.adaptive.unwrap_or(settings.target_error.is_some());
+    (across >= ACROSS[0] && !is_short && !is_adaptive).then_some(across)
+}
+
+/// What a pilot is to choose.
+#[derive(Clone, Debug)]
+pub(super) struct Undecided {
+    /// Path tracing with shared hits, where it is open whether hits are shared.
+    pub sharing: Option<PathReuse>,
+    /// Light paths, where it is open whether they are traced.
+    pub light: Option<LightPaths>,
+    /// Number of squares in a row and in a column.
+    pub across: u32,
+}
+
+impl Undecided {
+    /// What is open; `None` where nothing is.
+    pub fn new(wanted: &Wanted, sharing: impl FnOnce() -> PathReuse, light: Option<&LightPaths>) -> Option<Self> {
+        let sharing = (wanted.reuse == Decision::ByPilot).then(sharing);
+        let light = light.filter(|_| wanted.light_paths == Decision::ByPilot).cloned();
+        (sharing.is_some() || light.is_some()).then_some(Self { sharing, light, across: wanted.across })
+    }
+}
+
+impl Render {
+    /// What pixels have in common.
+    pub(super) fn ways(&self) -> Ways {
+        let open = self.undecided.as_ref();
+        let reuse = open.is_none_or(|open| open.sharing.is_none()).then_some(matches!(self.method, Method::Reuse(_)));
+        let count = self.light_paths.as_ref().map_or(0, LightPaths::count);
+        let light_paths = open.is_none_or(|open| open.light.is_none()).then_some(count);
+        Ways { reuse, light_paths }
+    }
+
+    /// Takes what a pilot has said, if it has, so that it is not asked again.
+    pub(super) fn set_ways(&mut self, ways: Ways) {
+        let own = self.ways();
+        let Ways { reuse: Some(reuse), light_paths: Some(count) } = ways else { return };
+        if own == ways {
+            return;
+        }
+        self.undecided = None;
+        if own.reuse != Some(reuse) {
+            let path = Path { max_depth: self.desc.max_depth, shadow_rays: self.desc.shadow_rays };
+            self.method = if reuse { Method::Reuse(PathReuse::new(&self.scene, path)) } else { Method::Path };
+        }
+        self.light_paths = match count {
+            0 => None,
+            _ => self.all_light_paths().map(|paths| paths.with_count(count)),
+        };
+    }
+
+    /// Traces the light paths of the next samples, where the render has light paths. Returns the reason if the render ended meanwhile.
+    pub(super) fn trace_light(
+        &mut self,
+        count: u32,
+        schedule: &Schedule,
+        start: Instant,
+        progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
+    ) -> Result<Option<Ended>> {
+        let Some(paths) = self.light_paths.clone() else { return Ok(None) };
+        let paths = match &self.method {
+            Method::Reuse(reuse) => paths.beside_aims(Some(reuse.aims())),
+            _ => paths,
+        };
+        self.light_pictures = None;
+        let limit = self.settings.time_limit.filter(|_| self.samples > 0);
+        let deadline = limit.and_then(|limit| start.checked_add(limit));
+        let (samples, rays) = (self.samples, self.rays);
+        let mut callback = |_| {
+            let report = schedule.progress(samples, f64::from(samples), rays, start.elapsed(), None);
+            progress(&report).is_break()
+        };
+        let mut pool = WorkerPool::new(&self.workers, &self.settings.cancel, deadline, &mut callback);
+        let which = (samples, samples + count, self.desc.seed ^ LIGHT_SEED);
+        let made = LightPictures::trace(&self.scene, &paths, &self.film, &self.filter, which, &mut pool);
+        let is_cancelled = pool.is_stopped_by_callback || self.settings.cancel.is_cancelled();
+        match made {
+            Ok((pictures, rays)) => {
+                self.light_pictures = Some(pictures);
+                self.rays += rays;
+                Ok(None)
+            }
+            Err(error) if error.kind() == ErrorKind::Cancelled => {
+                Ok(Some(if is_cancelled { Ended::Cancelled } else { Ended::Time }))
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    /// The light paths that the scene can have with the render's camera.
+    fn all_light_paths(&self) -> Option<LightPaths> {
+        LightPaths::new(&self.scene, &self.camera, self.desc.resolution)
+    }
+}
