@@ -44,7 +44,7 @@ fn groups() -> Vec<(&'static str, Vec<Entry>)> {
         ("sampling", sampling::cases()),
         ("transport", transport::cases()),
         ("reuse", reuse::cases()),
-        ("light-paths", light_paths::cases()),
+        ("light_paths", light_paths::cases()),
         ("photons", photons::cases()),
         ("radiosity", radiosity::cases()),
         ("media", media::cases()),
