@@ -338,6 +338,10 @@ fn what_has_no_light_paths_is_refused_by_name() {
         (RenderDesc { spectral: true, ..lit() }, "render.spectral gives each path wavelengths of its own"),
         (RenderDesc { max_depth: Some(9), ..lit() }, "render.maxDepth cuts paths"),
         (RenderDesc { filter: mitchell, ..lit() }, "the filter mitchell divides by the weights"),
+        (
+            RenderDesc { filter: FilterDesc::Gaussian { sigma: 1.5 }, ..lit() },
+            "the filter reaches farther than 4 pixels",
+        ),
         (RenderDesc { sampler: SamplerDesc::Gaussian, ..lit() }, "the sampler gaussian is a pixel filter"),
     ] {
         assert_traces_none(made(&scene, with(desc)), why);

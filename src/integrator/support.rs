@@ -3,6 +3,7 @@
 use crate::bsdf::Lobes;
 use crate::desc::{CameraDesc, FilterDesc, IntegratorDesc, LobeSupport, LobeUse, Preparation, RenderDesc, SamplerDesc};
 use crate::error::{Error, ErrorKind, Result};
+use crate::sampling::Filter;
 use crate::scene::Scene;
 
 /// Refuses a scene that moves, that has light from infinity or points that shine unevenly, in which media absorb, or that has a surface with lobes or an opacity, which the
@@ -86,6 +87,9 @@ pub fn check_reuse(scene: &Scene, integrator: IntegratorDesc, desc: &RenderDesc)
     }
 }
 
+/// Farthest reach of a filter beside light paths, pixels.
+const WIDEST_FILTER: f32 = 4.0;
+
 /// Refuses light paths to the camera for an integrator, settings or a scene with which they do not find what paths from the camera find.
 ///
 /// # Errors
@@ -108,6 +112,11 @@ pub fn check_light_paths(scene: &Scene, integrator: IntegratorDesc, desc: &Rende
     if matches!(desc.filter, FilterDesc::Mitchell { .. }) {
         let why = "the filter mitchell divides by the weights of a pixel's own samples";
         return no_light_paths(why, "false, or a filter that is nowhere negative");
+    }
+    // What one light path brings would otherwise be a part of thousands of pixels.
+    if Filter::new(&desc.filter).radius() > WIDEST_FILTER {
+        let why = format!("the filter reaches farther than {WIDEST_FILTER} pixels");
+        return no_light_paths(&why, "false, or a filter that does not");
     }
     if desc.sampler == SamplerDesc::Gaussian {
         let why = "the sampler gaussian is a pixel filter by itself";

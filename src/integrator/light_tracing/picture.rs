@@ -1,7 +1,7 @@
 //! The light that light paths bring to the pixels of a film.
 
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use super::{LightPaths, Start};
 use crate::control::Parallel;
@@ -11,7 +11,7 @@ use crate::integrator::tracer::{SceneTracer, Tracer};
 use crate::integrator::vertex::Vertex;
 use crate::integrator::walk::roulette;
 use crate::math::{Ray, Vec3};
-use crate::room::with_room;
+use crate::room::filled;
 use crate::sampling::{Filter, Sampler, SobolSampler};
 use crate::scene::{Hit, Scene};
 use crate::spectrum::Rgb;
@@ -24,6 +24,9 @@ const WAVE: usize = 256;
 
 /// Most pictures, times their pixels, that are in memory at the same time, if there is more than one.
 const MOST_PIXELS: u64 = 1 << 22;
+
+/// Most splats that are in memory at the same time, unless a single block brings more.
+const MOST_SPLATS: usize = 1 << 22;
 
 /// A path that carries this fraction of what it began with survives with certainty.
 const CERTAIN_FRACTION: f32 = 0.5;
@@ -63,6 +66,12 @@ impl Target {
     /// The target for a film.
     pub fn of(film: &Film, filter: &Filter) -> Self {
         Self { origin: film.origin(), resolution: film.options().resolution, filter: filter.clone() }
+    }
+
+    /// The greatest number of pixels that see a film position.
+    fn most_pixels(&self) -> usize {
+        let side = (2.0 * self.filter.radius()).ceil() as usize;
+        (side * side).max(1)
     }
 
     /// Calls `add` with each pixel that sees a film position, and the weight with which it does.
@@ -152,30 +161,41 @@ impl LightPictures {
         let pixels = target.resolution.map(|side| side as usize).iter().product::<usize>();
         let blocks = paths.count().div_ceil(PATHS_A_BLOCK) as usize;
         let samples = (to - from) as usize;
-        let splats = {
-            let (scene, paths, token) = (scene.clone(), paths.clone(), parallel.token());
-            parallel.map(samples * blocks, move |piece| {
-                if token.is_cancelled() {
-                    return Splats::default();
+        let empty = || filled(Rgb::ZERO, pixels).map(Mutex::new);
+        let pictures = Arc::new((0..samples).map(|_| empty()).collect::<Result<Vec<_>>>()?);
+        // Some blocks at a time, so that what they bring fits into memory.
+        let chunk = (MOST_SPLATS / (PATHS_A_BLOCK as usize * target.most_pixels())).max(1);
+        let (mut rays, mut first) = (0, 0);
+        while first < samples * blocks {
+            let pieces = chunk.min(samples * blocks - first);
+            let splats = {
+                let (scene, paths, target, token) = (scene.clone(), paths.clone(), target.clone(), parallel.token());
+                parallel.map(pieces, move |piece| {
+                    if token.is_cancelled() {
+                        return Splats::default();
+                    }
+                    let (sample, block) = (from + ((first + piece) / blocks) as u32, ((first + piece) % blocks) as u32);
+                    let begin = block * PATHS_A_BLOCK;
+                    let range = begin..begin.saturating_add(PATHS_A_BLOCK).min(paths.count());
+                    paths.block(&scene, &target, (sample, seed), range)
+                })?
+            };
+            rays += splats.iter().map(|splats| splats.rays).sum::<u64>();
+            let (some, pictures) = (first / blocks, Arc::clone(&pictures));
+            parallel.map((first + pieces).div_ceil(blocks) - some, move |sample| {
+                let sample = some + sample;
+                let of_sample = (sample * blocks).max(first)..((sample + 1) * blocks).min(first + pieces);
+                let mut picture = pictures[sample].lock().unwrap_or_else(PoisonError::into_inner);
+                // In the order of the paths, so that sums have the same bits whoever traced them.
+                for splat in splats[of_sample.start - first..of_sample.end - first].iter().flat_map(|it| &it.splats) {
+                    picture[splat.pixel as usize] += splat.light;
                 }
-                let (sample, block) = (from + (piece / blocks) as u32, (piece % blocks) as u32);
-                let first = block * PATHS_A_BLOCK;
-                let range = first..first.saturating_add(PATHS_A_BLOCK).min(paths.count());
-                paths.block(&scene, &target, (sample, seed), range)
-            })?
-        };
-        let rays = splats.iter().map(|splats| splats.rays).sum();
-        let splats = Arc::new(splats);
-        let pictures = parallel.map(samples, move |sample| {
-            let mut picture = with_room(pixels)?;
-            picture.resize(pixels, Rgb::ZERO);
-            // In the order of the paths, so that sums have the same bits whoever traced them.
-            for splat in splats[sample * blocks..(sample + 1) * blocks].iter().flat_map(|splats| &splats.splats) {
-                picture[splat.pixel as usize] += splat.light;
-            }
-            Ok(picture)
-        })?;
-        Ok((Self { from, pictures: Arc::new(pictures.into_iter().collect::<Result<_>>()?) }, rays))
+            })?;
+            first += pieces;
+        }
+        let take =
+            |picture: &Mutex<Vec<Rgb>>| std::mem::take(&mut *picture.lock().unwrap_or_else(PoisonError::into_inner));
+        Ok((Self { from, pictures: Arc::new(pictures.iter().map(take).collect()) }, rays))
     }
 
     /// Most samples whose pictures are made at the same time.

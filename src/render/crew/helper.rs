@@ -155,7 +155,7 @@ impl<'s> Helper<'s> {
                 ControlFlow::Continue(())
             }
         };
-        let count = self.goal - render.samples;
+        let count = self.goal.saturating_sub(render.samples);
         let mut ended = render.prepare(&schedule, Instant::now(), &mut heed)?;
         if ended.is_none() {
             ended = render.trace_light(count, &schedule, Instant::now(), &mut heed)?;
