@@ -222,6 +222,7 @@ static void pass_light_paths(void) {
     CHECK_STATUS(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT);
     CHECK(strstr(etd_last_error_message(), "options.light_paths") != NULL);
     options.light_paths = ETD_SWITCH_ON;
+    options.max_depth = 0;
     CHECK_OK(etd_render(scene, film, &options));
     for (integrator = ETD_INTEGRATOR_WHITTED; integrator <= ETD_INTEGRATOR_RADIOSITY; ++integrator) {
         options.integrator = integrator;
