@@ -11,7 +11,7 @@ IMAGES ?= out/$(basename $(notdir $(SCENE))).png out/$(basename $(notdir $(SCENE
 INSTALL = CARGO='$(CARGO)' PREFIX='$(PREFIX)' LIBDIR='$(LIBDIR)' DESTDIR='$(DESTDIR)' scripts/install.sh
 ETENDUE = $(CARGO) run --quiet --release --locked --example etendue --
 
-.PHONY: all setup render test accuracy mutations cuts bench bench-rays peers-materials gallery build install uninstall deb meshes clean
+.PHONY: all setup render test accuracy mutations cuts bench bench-rays peers-materials gallery pictures build install uninstall deb meshes clean
 all: render
 
 # Installs Embree, libclang and a C compiler where they are missing, with a line that says why.
@@ -67,6 +67,11 @@ peers-materials: setup
 gallery: setup
 	$(CARGO) build --quiet --release --locked --example etendue
 	scripts/gallery.pl $${CARGO_TARGET_DIR:-target}/release/examples/etendue $(ARGS)
+
+# docs/gallery.md: every scene and every method, with time and error. About six minutes, during which nothing else should run.
+pictures: setup meshes
+	$(CARGO) build --quiet --release --locked --example etendue
+	scripts/pictures.pl $(ARGS) $${CARGO_TARGET_DIR:-target}/release/examples/etendue
 
 # Generated meshes that are too large to store.
 meshes: out/million.obj

@@ -155,6 +155,17 @@ fn what_the_settings_leave_open_is_that_of_the_checkpoint() {
     assert!(error.message().contains("with light paths, and this render is without them"), "{error}");
 }
 
+/// Nothing to aim at, or no lamp: a render without them all the same.
+#[test]
+fn light_paths_that_a_scene_cannot_have_are_none_after_a_checkpoint() {
+    let scene = built(&room(PAINT));
+    let mut asked = settings(IntegratorDesc::Path);
+    (asked.desc.light_paths, asked.desc.filter) = (Some(true), FilterDesc::Box);
+    let whole = finish(Render::new(&scene, asked.clone()).unwrap());
+    let pieces = in_pieces(&scene, &asked, 2);
+    assert!(bits(&whole.image()) == bits(&pieces.image()));
+}
+
 #[test]
 fn more_samples_may_be_added_to_a_render_that_is_done() {
     let scene = built(&room(GLASS));

@@ -360,6 +360,12 @@ fn what_has_no_light_paths_is_refused_by_name() {
         "surfaces of the scene are not opaque",
     );
     assert_traces_none(of(&ball("", &format!("{glass}, \"priority\": 1"), "")), "media of the scene absorb light");
+    let text = r#"{"etendue": 1, "camera": {"origin": [0, 0, 5]},
+        "textures": [{"name": "bricks", "type": "image", "file": "textures/bricks.png", "filter": "mip"}],
+        "materials": [{"name": "wall", "type": "diffuse", "color": [1, 1, 1], "textures": {"color": "bricks"}}],
+        "surfaces": [{"geometry": "sphere", "material": "wall", "origin": [0, 0, 0], "radius": 1}]}"#;
+    let filtered = desc::parse(text, &Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes"), None).unwrap();
+    assert_traces_none(of(&filtered), "textures are filtered by what a path's own rays see");
     let lens = desc::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/depth-of-field.json"), None).unwrap();
     assert_traces_none(of(&lens), "the camera does not see in perspective through a pinhole");
     assert!(of(&ball("", glass, "")).is_ok());

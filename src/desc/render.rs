@@ -57,8 +57,8 @@ pub struct RenderDesc {
     ///
     /// They can with [`IntegratorDesc::Path`], in three channels, with the same number of samples for all pixels, no
     /// [`max_depth`](RenderDesc::max_depth), a filter that is nowhere negative and reaches 4 pixels at most, a camera in perspective without a lens, in scenes at rest
-    /// whose surfaces are opaque and whose media neither absorb nor have priorities. `Some(true)` is refused where they cannot. `None`
-    /// leaves it to a pilot where they can and the render is long, also where [`IntegratorDesc::Auto`] chooses paths; in other renders
+    /// whose surfaces are opaque, whose media neither absorb nor have priorities and whose textures no footprint filters. `Some(true)` is refused
+    /// where they cannot. `None` leaves it to a pilot where they can and the render is long, also where [`IntegratorDesc::Auto`] chooses paths; in other renders
     /// there are none. They start from triangles, spheres and disks that shine evenly; the caustics of other lamps are left to paths from
     /// the camera.
     ///

@@ -106,6 +106,10 @@ pub fn check_light_paths(scene: &Scene, integrator: IntegratorDesc, desc: &Rende
         let why = "the camera does not see in perspective through a pinhole";
         return no_light_paths(why, "false, or the camera perspective");
     }
+    if scene.asks_footprints() {
+        let why = "textures are filtered by what a path's own rays see";
+        return no_light_paths(why, "false, or textures with other filters");
+    }
     if desc.max_depth.is_some() {
         return no_light_paths("render.maxDepth cuts paths", "false, or no maxDepth");
     }

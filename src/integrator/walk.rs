@@ -4,7 +4,7 @@
 //!
 //! Source: Arvo and Kirk 1990, "Particle Transport and Image Synthesis" (roulette).
 
-use super::light_tracing::LightPaths;
+use super::light_tracing::{LightPaths, is_of_chain};
 use super::media::{arrive, left_after};
 use super::tracer::{Context, FirstHit, Tracer};
 use super::vertex::{Bounce, PreviousBounce, Vertex, escaped};
@@ -315,7 +315,7 @@ impl<C: Spectrum> Walk<C> {
         self.eta2 *= bounce.eta * bounce.eta;
         self.previous = bounce.pdf.map(|pdf| (vertex.receiver(), pdf));
         self.density = match (bounce.pdf, limits.light_paths) {
-            (None, _) => self.density * (bounce.eta * bounce.eta),
+            (None, _) if is_of_chain(vertex, depth - 1) => self.density * (bounce.eta * bounce.eta),
             (Some(pdf), Some(paths)) if depth == 1 => paths.density(vertex, bounce.ray.direction, pdf),
             _ => 0.0,
         };

@@ -417,7 +417,11 @@ impl Render {
         if self.plan.is_none() && !wants_solution && self.undecided.is_none() {
             return Ok(None);
         }
-        let undecided = self.undecided.clone().map(|sharing| (self.pass_input(), sharing));
+        let undecided = self.undecided.clone().map(|open| {
+            // Squares are rendered beside light paths that were asked for.
+            let light = self.light_paths.clone().map(|paths| Light { paths, pictures: LightPictures::default() });
+            (PassInput { light, ..self.pass_input() }, open)
+        });
         let limit = self.settings.time_limit.filter(|_| self.samples > 0);
         let (samples, rays) = (self.samples, self.rays);
         let mut callback = |fraction| {

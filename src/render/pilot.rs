@@ -157,8 +157,8 @@ pub(super) fn pilot(input: &PassInput, undecided: &Undecided, parallel: &mut imp
         _ => None,
     });
     let aims: Vec<Option<Aims>> = aims.collect();
-    let light = undecided.light.clone().map(|paths| Light { paths, pictures: LightPictures::default() });
-    let input = PassInput { light, ..input };
+    let open = undecided.light.clone().map(|paths| Light { paths, pictures: LightPictures::default() });
+    let input = PassInput { light: open.or(input.light), ..input };
     let squares = {
         let (input, methods) = (input.clone(), methods.clone());
         parallel.map((across * across) as usize, move |number| {

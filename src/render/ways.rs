@@ -148,6 +148,15 @@ impl Undecided {
     }
 }
 
+impl Undecided {
+    /// What is still open once some of it is known; `None` where nothing is.
+    fn without(mut self, known: Ways) -> Option<Self> {
+        self.sharing = self.sharing.filter(|_| known.reuse.is_none());
+        self.light = self.light.filter(|_| known.light_paths.is_none());
+        (self.sharing.is_some() || self.light.is_some()).then_some(self)
+    }
+}
+
 impl Render {
     /// What pixels have in common.
     pub(super) fn ways(&self) -> Ways {
@@ -161,19 +170,21 @@ impl Render {
     /// Takes what a pilot has said, if it has, so that it is not asked again.
     pub(super) fn set_ways(&mut self, ways: Ways) {
         let own = self.ways();
-        let Ways { reuse: Some(reuse), light_paths: Some(count) } = ways else { return };
-        if own == ways {
-            return;
-        }
-        self.undecided = None;
-        if own.reuse != Some(reuse) {
+        if let Some(reuse) = ways.reuse
+            && own.reuse != ways.reuse
+        {
             let path = Path { max_depth: self.desc.max_depth, shadow_rays: self.desc.shadow_rays };
             self.method = if reuse { Method::Reuse(PathReuse::new(&self.scene, path)) } else { Method::Path };
         }
-        self.light_paths = match count {
-            0 => None,
-            _ => self.all_light_paths().map(|paths| paths.with_count(count)),
-        };
+        if let Some(count) = ways.light_paths
+            && own.light_paths != ways.light_paths
+        {
+            self.light_paths = match count {
+                0 => None,
+                _ => self.all_light_paths().map(|paths| paths.with_count(count)),
+            };
+        }
+        self.undecided = self.undecided.take().and_then(|open| open.without(ways));
     }
 
     /// Traces the light paths of the next samples, where the render has light paths. Returns the reason if the render ended meanwhile.

@@ -295,8 +295,9 @@ pub struct etd_render_options {
     pub reuse: EtdSwitch,
     /// An `etd_switch`: whether light paths, from lamps by way of mirrors and glass to what the camera sees, find caustics beside the paths
     /// from the camera, by `ETD_INTEGRATOR_PATH` alone. The picture stays unbiased. On is refused where `reuse` is, and with `max_depth`, the
-    /// filter `ETD_FILTER_MITCHELL`, filters that reach farther than 4 pixels, the sampler `ETD_SAMPLER_GAUSSIAN`, and cameras that are not in perspective or have a lens. By default, a
-    /// pilot of a long render says, where it is not refused.
+    /// filter `ETD_FILTER_MITCHELL`, filters that reach farther than 4 pixels, the sampler `ETD_SAMPLER_GAUSSIAN`, textures that the
+    /// footprint of a ray filters, and cameras that are not in perspective or have a lens. By default, a pilot of a long render says, where
+    /// it is not refused.
     pub light_paths: EtdSwitch,
 
     /// Part of the picture that is rendered, from 1 to `share_count`, where several renders, of any processes and machines, each do one;

@@ -189,6 +189,16 @@ impl LightPaths {
     }
 }
 
+/// Most specular surfaces between a lamp and what the camera sees, for light paths to find the light.
+const MOST_SPECULAR: u32 = 32;
+
+/// Whether light paths may be reflected or refracted perfectly at a vertex that is the specular surface with this number on their way,
+/// from either end. They may not where a normal that faces away is replaced: from the other end it does not face away.
+#[inline]
+pub(super) fn is_of_chain<C: Spectrum>(vertex: &Vertex<'_, C>, number: u32) -> bool {
+    number <= MOST_SPECULAR && vertex.has_own_normal()
+}
+
 /// Whether light paths start from an emitter: from a surface that paths from the camera meet, with the same radiance everywhere, whose
 /// points are sampled uniformly by area.
 fn can_start(emitter: &Emitter) -> bool {

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::{LightPaths, Start};
+use super::{LightPaths, Start, is_of_chain};
 use crate::control::Parallel;
 use crate::error::Result;
 use crate::film::Film;
@@ -23,10 +23,10 @@ pub const PATHS_A_BLOCK: u32 = 1 << 12;
 const WAVE: usize = 256;
 
 /// Most pictures, times their pixels, that are in memory at the same time, if there is more than one.
-const MOST_PIXELS: u64 = 1 << 22;
+const MOST_PIXELS: u64 = 1 << 24;
 
-/// Most splats that are in memory at the same time, unless a single block brings more.
-const MOST_SPLATS: usize = 1 << 22;
+/// Most splats that are in memory at the same time, if light paths arrive once. Few arrive more often.
+const MOST_SPLATS: usize = 1 << 20;
 
 /// A path that carries this fraction of what it began with survives with certainty.
 const CERTAIN_FRACTION: f32 = 0.5;
@@ -77,20 +77,20 @@ impl Target {
     /// Calls `add` with each pixel that sees a film position, and the weight with which it does.
     #[inline]
     fn each_pixel(&self, [x, y]: [f32; 2], mut add: impl FnMut(u32, f32)) {
-        let [x, y] = [x - self.origin[0] as f32, y - self.origin[1] as f32];
         let radius = self.filter.radius();
-        let [width, height] = self.resolution;
-        // Pixel i has its middle at i + 1/2, and sees what lies less than the radius from there.
-        let range = |at: f32, size: u32| {
-            let first = (at - radius - 0.5).ceil().max(0.0);
-            let end = (at + radius - 0.5).ceil().min(size as f32).max(0.0);
+        let ([left, top], [width, height]) = (self.origin, self.resolution);
+        // Pixel i has its middle at i + 1/2, and sees what lies less than the radius from there. All is computed in the picture, whatever part
+        // of it the film is.
+        let range = |at: f32, from: u32, size: u32| {
+            let first = (at - radius - 0.5).ceil().max(from as f32);
+            let end = (at + radius - 0.5).ceil().min((from + size) as f32).max(0.0);
             first as u32..end as u32
         };
-        for row in range(y, height) {
-            for column in range(x, width) {
+        for row in range(y, top, height) {
+            for column in range(x, left, width) {
                 let weight = self.filter.evaluate(x - (column as f32 + 0.5), y - (row as f32 + 0.5));
                 if weight != 0.0 {
-                    add(row * width + column, weight);
+                    add((row - top) * width + (column - left), weight);
                 }
             }
         }
@@ -286,7 +286,7 @@ impl LightPaths {
         if walk.depth > 1 && vertex.finds_light_samples() {
             connections.extend(self.connect(scene, walk, hit, vertex.surface.point.p));
         }
-        if !vertex.lobes.have_specular() {
+        if !vertex.lobes.have_specular() || !is_of_chain(&vertex, walk.depth) {
             return false;
         }
         let u = sampler.next_4d();
@@ -310,13 +310,10 @@ impl LightPaths {
     fn connect(&self, scene: &Scene, walk: &LightWalk, hit: &Hit, p: Vec3) -> Option<Connection> {
         let camera = &self.camera;
         let place = camera.film_position(p)?;
-        // As a ray of the camera meets it, so that normals and textures are those that paths from the camera see.
+        // As a ray of the camera meets it, so that normals are those that paths from the camera see.
         let to = p - camera.eye();
         let distance = to.length();
-        let mut ray = Ray::new(camera.eye(), to / distance);
-        if scene.asks_footprints() {
-            ray.cone = camera.cone(place[0], place[1]);
-        }
+        let ray = Ray::new(camera.eye(), to / distance);
         let hit = hit.at_distance(distance);
         let mut slot = None;
         let vertex = Vertex::<Rgb>::new(scene, &ray, &hit, (), None, &mut slot);

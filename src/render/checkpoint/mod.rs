@@ -217,8 +217,12 @@ impl Checkpoint {
             let share = part.share();
             let header = Header { share: None, ..part };
             whole.check(&header)?;
-            if (whole.reuse, whole.light_paths) != (header.reuse, header.light_paths) {
-                return invalid("some shares have no samples, others have".to_owned());
+            if whole.ways() != header.ways() {
+                let is_open = [whole.light_paths, header.light_paths].contains(&None);
+                let is_open = is_open || [whole.reuse, header.reuse].contains(&None);
+                let what = "the shares were rendered with different numbers of light paths";
+                let what = if is_open { "some shares have no samples, others have" } else { what };
+                return invalid(what.to_owned());
             }
             // A part that was stopped early has fewer samples; the whole goes on from there.
             if header.samples < whole.samples {

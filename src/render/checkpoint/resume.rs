@@ -8,6 +8,7 @@ use super::super::{Maps, Render, RenderSettings};
 use super::{Checkpoint, Header};
 use crate::error::{Error, ErrorKind, Result};
 use crate::film::Film;
+use crate::integrator::check_light_paths;
 use crate::scene::Scene;
 
 impl Render {
@@ -29,9 +30,12 @@ impl Render {
         let share = settings.share.or(header.share());
         let auxiliary = settings.auxiliary || film.options().auxiliary;
         let mut render = Self::new(scene, RenderSettings { adaptive, share, auxiliary, ..settings })?;
-        // Of a number of light paths that was asked for, only whether there are any is known.
-        let light_paths = render.desc.light_paths.map(u32::from);
+        // Of light paths that were asked for, there are none in a scene without what they would meet.
+        let light_paths = render.desc.light_paths.and(render.ways().light_paths);
         Header { reuse: render.desc.reuse, light_paths, ..render.header.clone() }.check(&header)?;
+        if header.light_paths.is_some_and(|count| count > 0) {
+            check_light_paths(scene, render.integrator(), &render.desc)?;
+        }
         render.set_ways(header.ways());
         // Another render may still fill the film of a checkpoint that was not read from a file.
         render.film = Arc::new(Arc::try_unwrap(film).or_else(|film| Film::copy_of(&film))?);

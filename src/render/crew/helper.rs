@@ -13,6 +13,7 @@ use super::super::{Progress, Render, RenderSettings, Workers};
 use super::message::Message;
 use super::{Event, Link};
 use crate::error::{Error, ErrorKind, Result};
+use crate::integrator::light_tracing::LightPictures;
 use crate::scene::Scene;
 
 /// Time between two looks for messages while there is nothing to do.
@@ -155,7 +156,7 @@ impl<'s> Helper<'s> {
                 ControlFlow::Continue(())
             }
         };
-        let count = self.goal.saturating_sub(render.samples);
+        let count = self.goal.saturating_sub(render.samples).min(LightPictures::most_samples(&render.film));
         let mut ended = render.prepare(&schedule, Instant::now(), &mut heed)?;
         if ended.is_none() {
             ended = render.trace_light(count, &schedule, Instant::now(), &mut heed)?;

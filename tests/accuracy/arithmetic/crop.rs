@@ -91,7 +91,7 @@ fn crop(case: &mut Case) {
     let room = load("room.json");
     let scene = build(&room);
     compare("path, reuse".to_owned(), &scene, &RenderDesc { reuse: Some(true), ..base.clone() });
-    let lit = RenderDesc { light_paths: Some(true), filter: FilterDesc::Tent, ..base.clone() };
+    let lit = RenderDesc { light_paths: Some(true), filter: FilterDesc::Gaussian { sigma: 0.5 }, ..base.clone() };
     compare("path, light paths".to_owned(), &scene, &lit);
     for (name, sampler, filter) in [
         ("random, mitchell", SamplerDesc::Random, FilterDesc::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 }),
