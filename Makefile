@@ -68,7 +68,7 @@ gallery: setup
 	$(CARGO) build --quiet --release --locked --example etendue
 	scripts/gallery.pl $${CARGO_TARGET_DIR:-target}/release/examples/etendue $(ARGS)
 
-# docs/gallery.md: every scene and every method, with time and error. About six minutes, during which nothing else should run.
+# Draws docs/gallery.md: every scene and every method, with time and error. About three minutes, during which nothing else should run.
 pictures: setup meshes
 	$(CARGO) build --quiet --release --locked --example etendue
 	scripts/pictures.pl $(ARGS) $${CARGO_TARGET_DIR:-target}/release/examples/etendue
