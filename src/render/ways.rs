@@ -146,9 +146,7 @@ impl Undecided {
         let light = light.filter(|_| wanted.light_paths == Decision::ByPilot).cloned();
         (sharing.is_some() || light.is_some()).then_some(Self { sharing, light, across: wanted.across })
     }
-}
 
-impl Undecided {
     /// What is still open once some of it is known; `None` where nothing is.
     fn without(mut self, known: Ways) -> Option<Self> {
         self.sharing = self.sharing.filter(|_| known.reuse.is_none());
@@ -181,7 +179,7 @@ impl Render {
         {
             self.light_paths = match count {
                 0 => None,
-                _ => self.all_light_paths().map(|paths| paths.with_count(count)),
+                _ => LightPaths::new(&self.scene, &self.camera, self.desc.resolution).map(|it| it.with_count(count)),
             };
         }
         self.undecided = self.undecided.take().and_then(|open| open.without(ways));
@@ -197,7 +195,7 @@ impl Render {
     ) -> Result<Option<Ended>> {
         let Some(paths) = self.light_paths.clone() else { return Ok(None) };
         let paths = match &self.method {
-            Method::Reuse(reuse) => paths.beside_aims(Some(reuse.aims())),
+            Method::Reuse(reuse) => paths.beside_aims(reuse.aims()),
             _ => paths,
         };
         self.light_pictures = None;
@@ -223,10 +221,5 @@ impl Render {
             }
             Err(error) => Err(error),
         }
-    }
-
-    /// The light paths that the scene can have with the render's camera.
-    fn all_light_paths(&self) -> Option<LightPaths> {
-        LightPaths::new(&self.scene, &self.camera, self.desc.resolution)
     }
 }

@@ -115,8 +115,8 @@ impl LightPaths {
 
     /// The same beside paths from the camera of which one more ray is aimed at these surfaces from what the camera sees.
     #[must_use]
-    pub(crate) fn beside_aims(self, aims: Option<&Aims>) -> Self {
-        Self { camera_aims: aims.filter(|aims| !aims.is_empty()).cloned(), ..self }
+    pub(crate) fn beside_aims(self, aims: &Aims) -> Self {
+        Self { camera_aims: (!aims.is_empty()).then(|| aims.clone()), ..self }
     }
 
     /// Density (sr^-1) with which the rays of paths from the camera that are aimed leave a place, on the side of the unit normal `n`, into
