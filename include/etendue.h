@@ -81,7 +81,8 @@
      NULL, NULL, NULL, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, ETD_PHOTON_KERNEL_DEFAULT, 0, ETD_PHOTON_SHARING_POWER, \
      ETD_SWITCH_DEFAULT, ETD_SWITCH_DEFAULT, 0, 0, 0, ETD_CACHE_SOURCE_PATHS, ETD_SWITCH_DEFAULT, ETD_ERROR_RELMSE, ETD_SWITCH_DEFAULT, \
      0, 0, 0, 0, ETD_RADIOSITY_SOLVER_GATHER, ETD_SWITCH_DEFAULT, ETD_SWITCH_DEFAULT, 0, \
-     ETD_ROULETTE_OWN, 0, 0, 0, 0, {0, 0}, {0, 0}, ETD_SWITCH_DEFAULT, ETD_SWITCH_DEFAULT, 0, 0, NULL, 0, NULL}
+     ETD_ROULETTE_OWN, 0, 0, 0, 0, {0, 0}, {0, 0}, ETD_SWITCH_DEFAULT, ETD_SWITCH_DEFAULT, 0, 0, NULL, 0, NULL, \
+     0, 0}
 #define ETD_PROGRESS_INIT {sizeof(etd_progress), 0, 0, 0, 0, 0, ETD_PHASE_BUILD, 0}
 #define ETD_SUMMARY_INIT {sizeof(etd_summary), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, ETD_ENDED_SAMPLES, 0}
 #define ETD_FILM_OPTIONS_INIT {sizeof(etd_film_options), 0, 0, 0, 0}
@@ -2199,6 +2200,16 @@ typedef struct etd_render_options {
      * options leave to their default. The film is reserved until the render has taken over its state or its task is released, and stays as it is.
      */
     const struct etd_film *resume;
+    /**
+     * Light samples, from 1 to 1024, at the hits that the camera sees itself or by way of perfectly specular surfaces alone, by
+     * `ETD_INTEGRATOR_PATH` alone; refused with others, for light maps and light at given points. 0: as many as at other hits, or up to
+     * eight times as many where a pilot of a long render says that it pays.
+     */
+    uint32_t first_shadow_rays;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
 } etd_render_options;
 
 /**

@@ -114,12 +114,13 @@ fn no_allocation_per_sample() {
     let mut sobol = SobolSampler::new(1, 4);
     let mut pattern = PatternSampler::new(Pattern::Jittered, 1, 4);
     for (what, (allocations, rays)) in [
-        ("path", count(&scene, &Path { max_depth: None, shadow_rays: 2 }, &mut sobol)),
-        ("path, jittered", count(&scene, &Path { max_depth: Some(7), shadow_rays: 1 }, &mut pattern)),
-        ("path, in waves", count_in_rows(&scene, &Path { max_depth: None, shadow_rays: 2 }, &sobol)),
+        ("path", count(&scene, &Path::new(None, 2), &mut sobol)),
+        ("path, jittered", count(&scene, &Path::new(Some(7), 1), &mut pattern)),
+        ("path, in waves", count_in_rows(&scene, &Path::new(None, 2), &sobol)),
+        ("path, in groups", count_in_rows(&scene, &PathReuse::new(&scene, Path::new(None, 2)), &sobol)),
         (
-            "path, in groups",
-            count_in_rows(&scene, &PathReuse::new(&scene, Path { max_depth: None, shadow_rays: 2 }), &sobol),
+            "path, in groups, more light samples first",
+            count_in_rows(&scene, &PathReuse::new(&scene, Path::new(None, 1)).with_first_shadow_rays(4), &sobol),
         ),
         ("whitted", count(&scene, &Whitted { max_depth: None, shadow_rays: 1 }, &mut sobol)),
         ("direct", count(&scene, &Direct { shadow_rays: 1 }, &mut sobol)),

@@ -127,6 +127,7 @@ fn what_differs_from_pixel_to_pixel_is_kept() {
         ("a target error", of(|it| (it.target_error, it.desc.samples) = (Some(0.02), 1 << 12))),
         ("shared hits", of(|it| it.desc.reuse = Some(true))),
         ("light paths", of(|it| (it.desc.light_paths, it.desc.filter) = (Some(true), FilterDesc::Tent))),
+        ("more light samples first", of(|it| it.desc.first_shadow_rays = Some(3))),
         ("wavelengths", of(|it| it.desc.spectral = true)),
         ("a pattern", of(|it| it.desc.sampler = SamplerDesc::Jittered)),
     ];
@@ -142,13 +143,18 @@ fn what_the_settings_leave_open_is_that_of_the_checkpoint() {
     let scene = built(&room(GLASS));
     let mut asked = settings(IntegratorDesc::Path);
     (asked.desc.reuse, asked.desc.light_paths, asked.desc.filter) = (Some(true), Some(true), FilterDesc::Box);
+    asked.desc.first_shadow_rays = Some(3);
     let whole = finish(Render::new(&scene, asked.clone()).unwrap());
     let mut begun = Render::new(&scene, asked.clone()).unwrap();
     begun.run(&mut |_| ControlFlow::Break(())).unwrap();
-    (asked.desc.reuse, asked.desc.light_paths) = (None, None);
+    (asked.desc.reuse, asked.desc.light_paths, asked.desc.first_shadow_rays) = (None, None, None);
     let open = RenderSettings { auxiliary: false, ..asked };
     let more = finish(Render::resume(&scene, open.clone(), begun.checkpoint().unwrap()).unwrap());
     assert!(bits(&whole.image()) == bits(&more.image()));
+    let mut other = open.clone();
+    other.desc.first_shadow_rays = Some(2);
+    let error = Render::resume(&scene, other, begun.checkpoint().unwrap()).err().expect("it is another render");
+    assert!(error.message().contains("with `firstShadowRays` 3, and this render has 2"), "{error}");
     let mut without = open;
     without.desc.light_paths = Some(false);
     let error = Render::resume(&scene, without, begun.checkpoint().unwrap()).err().expect("it is another render");

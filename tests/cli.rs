@@ -464,6 +464,33 @@ fn light_paths_are_traced_where_that_is_asked_for() {
 }
 
 #[test]
+fn light_samples_of_first_hits_are_those_that_are_asked_for() {
+    let folder = folder();
+    let mut described: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(scene("soft-shadows.json")).unwrap()).unwrap();
+    described["render"]["integrator"] = serde_json::json!({"type": "path", "firstShadowRays": 3});
+    fs::write(folder.path().join("three.json"), described.to_string()).unwrap();
+    let render = |scene: &str, more: &[&str]| etendue(folder.path(), small_render(scene, more));
+    let taken = |more: &[&str]| {
+        render("three.json", &[more, &["-q", "-o", "x.pfm", "--stats", "stats.json"]].concat()).assert_done();
+        let text = fs::read_to_string(folder.path().join("stats.json")).unwrap();
+        let stats: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let settings = &stats["settings"];
+        (settings["firstShadowRays"].as_u64().unwrap(), settings["shadowRays"].as_u64().unwrap())
+    };
+    assert_eq!(taken(&[]), (3, 1));
+    assert_eq!(taken(&["--first-shadow-rays", "5", "--shadow-rays", "2", "--adaptive"]), (5, 2));
+    // Another integrator takes the place of the scene's together with its settings.
+    assert_eq!(taken(&["--integrator", "path", "--shadow-rays", "2"]), (2, 2));
+    let run = render("three.json", &["--integrator", "sppm", "--first-shadow-rays", "2", "-o", "y.pfm"]);
+    run.assert_refused("render.integrator.firstShadowRays is given, and sppm has no number of its own");
+    render("three.json", &["--first-shadow-rays", "0", "-o", "y.pfm"]).assert_refused_by_grammar("1..=1024");
+    let bake = etendue(folder.path(), ["bake", "three.json", "-o", "light", "--spp", "1", "--resolution", "64"]);
+    bake.assert_refused("render.integrator.firstShadowRays is given, and a light map has no number of its own");
+    assert!(!folder.path().join("y.pfm").exists());
+}
+
+#[test]
 fn spectral_layers_are_channels_of_an_exr() {
     let folder = folder();
     let scene = scene("cornell.json");

@@ -371,6 +371,71 @@ fn what_has_no_light_paths_is_refused_by_name() {
     assert!(of(&ball("", glass, "")).is_ok());
 }
 
+#[test]
+fn light_samples_of_first_hits_are_those_of_paths() {
+    let scene = diffuse();
+    let asked = RenderDesc { first_shadow_rays: Some(4), ..RenderDesc::default() };
+    let refused = "render.integrator.firstShadowRays is given, and ";
+    let made = |desc: RenderDesc| {
+        Render::new(&scene, RenderSettings { desc, threads: 1, adaptive: Some(true), ..RenderSettings::default() })
+    };
+    for integrator in IntegratorDesc::ALL {
+        let made = made(RenderDesc { integrator, ..asked.clone() });
+        if integrator == IntegratorDesc::Path {
+            assert!(made.is_ok());
+        } else {
+            let error = made.err().expect("it has none");
+            assert_eq!(error.kind(), ErrorKind::Unsupported);
+            assert!(error.message().starts_with(&format!("{refused}{} has no", integrator.name())), "{error}");
+        }
+    }
+    for count in [0, 1025] {
+        let error = made(RenderDesc { first_shadow_rays: Some(count), ..asked.clone() }).err().expect("out of range");
+        assert_eq!(
+            (error.kind(), error.location().json_path.as_str()),
+            (ErrorKind::InvalidScene, "render.integrator.firstShadowRays")
+        );
+    }
+    let probe = Probe { position: DVec3::ZERO, direction: DVec3::Y };
+    let settings = RenderSettings { desc: asked, threads: 1, ..RenderSettings::default() };
+    let error = Render::probes(&scene, settings, &[probe], ProbeQuantity::Irradiance).err().expect("no picture");
+    assert!(error.message().starts_with(&format!("{refused}light at given points has no")), "{error}");
+}
+
+/// By themselves, more light samples are taken where a pilot says so, whatever else paths carry, and as many for each part of a picture.
+#[test]
+fn a_pilot_says_how_many_light_samples_first_hits_have() {
+    let long = RenderDesc { resolution: [64, 64], samples: 1000, ..RenderDesc::default() };
+    let taken = |name: &str, desc: RenderDesc| {
+        let scene = desc::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name), None).unwrap();
+        let scene = Scene::build(&scene, &BuildOptions::default()).unwrap();
+        let mut stop = |report: &Progress| match report.samples_done {
+            0 => ControlFlow::Continue(()),
+            _ => ControlFlow::Break(()),
+        };
+        let is_open = desc.first_shadow_rays.is_none();
+        let settings = RenderSettings { desc, threads: 2, ..RenderSettings::default() };
+        let summary = Render::new(&scene, settings).unwrap().run(&mut stop).unwrap();
+        let note = format!("what the camera sees had {} light samples for each path", summary.first_shadow_rays);
+        let is_noted = summary.notes.iter().any(|it| it.starts_with(&note));
+        assert_eq!(is_noted, is_open && summary.first_shadow_rays > 1, "{:?}", summary.notes);
+        summary.first_shadow_rays
+    };
+    let lamps = taken("smooth-mesh.json", long.clone());
+    assert!(lamps > 1, "{lamps}");
+    let crop = Some(CropDesc { left: 7, top: 9, width: 3, height: 5 });
+    assert_eq!(taken("smooth-mesh.json", RenderDesc { crop, seed: 5, ..long.clone() }), lamps);
+    for other in [
+        RenderDesc { first_shadow_rays: Some(1), ..long.clone() },
+        RenderDesc { samples: 500, ..long.clone() },
+        RenderDesc { integrator: IntegratorDesc::Direct, ..long.clone() },
+    ] {
+        assert_eq!(taken("smooth-mesh.json", other), 1);
+    }
+    assert_eq!(taken("smooth-mesh.json", RenderDesc { first_shadow_rays: Some(7), ..long.clone() }), 7);
+    assert_eq!(taken("room.json", long), 1);
+}
+
 /// By themselves, light paths are traced where a pilot says so, in long renders in which they can be.
 #[test]
 fn a_pilot_says_whether_light_paths_are_traced() {

@@ -204,6 +204,8 @@ fn render_blocks_are_read_with_every_key() {
         let light_paths = RenderDesc { light_paths: reuse, ..RenderDesc::default() };
         assert_eq!(render(&format!("\"integrator\": {}", text.replace("reuse", "lightPaths"))), light_paths);
     }
+    let first = RenderDesc { first_shadow_rays: Some(4), ..RenderDesc::default() };
+    assert_eq!(render(r#""integrator": {"type": "path", "firstShadowRays": 4}"#), first);
 }
 
 #[test]
@@ -1429,7 +1431,7 @@ fn a_render_block_lies_over_settings_that_stay() {
     assert_eq!(over, expected);
     assert_eq!(desc::apply_render("{}", "", None, &base).unwrap(), base);
     // An integrator takes the place of another one together with its settings.
-    let shared = RenderDesc { reuse: Some(true), light_paths: Some(false), ..base.clone() };
+    let shared = RenderDesc { reuse: Some(true), light_paths: Some(false), first_shadow_rays: Some(2), ..base.clone() };
     assert_eq!(desc::apply_render("{}", "", None, &shared).unwrap(), shared);
     assert_eq!(desc::apply_render(r#"{"integrator": "path"}"#, "", None, &shared).unwrap(), base);
     for (path, complaint) in [

@@ -230,7 +230,7 @@ fn assert_lit(image: &[[f32; 3]]) {
 #[test]
 fn paths_of_four_grey_wavelengths_bring_the_image_of_rgb() {
     let (_, scene) = built();
-    let path = Path { max_depth: None, shadow_rays: 1 };
+    let path = Path::new(None, 1);
     let rgb = image::<Rgb, _>(&scene, &path);
     assert_lit(&rgb);
     assert!(rgb == image::<FourWavelengths, _>(&scene, &path), "paths");

@@ -50,7 +50,7 @@ impl Tracer for Recorder<'_> {
 }
 
 /// The integrator.
-const PATH: Path = Path { max_depth: None, shadow_rays: 1 };
+const PATH: Path = Path::new(None, 1);
 
 /// Every ray that so many threads ask for, each taking every n-th row: all see the same mixture. Path by path, or in the order
 /// of waves.

@@ -146,6 +146,10 @@ pub struct RenderArgs {
     /// Light samples per hit, in place of the scene's.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SHADOW_RAYS)))]
     pub shadow_rays: Option<u32>,
+    /// Light samples at the hits that the camera sees itself or by way of mirrors and smooth glass alone. Only with the integrator path. In
+    /// place of the scene's; by default, a pilot of long renders says.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SHADOW_RAYS)))]
+    pub first_shadow_rays: Option<u32>,
     /// Which survival probability Russian roulette ends paths by, in place of the scene's.
     #[arg(long, value_enum)]
     pub roulette: Option<Roulette>,
@@ -720,11 +724,8 @@ pub struct WavelengthRange(pub [f64; 2]);
 
 impl RenderArgs {
     /// A setting of an integrator. Another integrator takes the place of the scene's together with its settings, as in a file.
-    fn of_integrator(&self, asked: Option<Switch>, scene: Option<bool>) -> Option<bool> {
-        match asked {
-            None => scene.filter(|_| self.integrator.is_none()),
-            Some(asked) => Some(asked == Switch::On),
-        }
+    fn of_integrator<T>(&self, asked: Option<T>, scene: Option<T>) -> Option<T> {
+        asked.or(scene.filter(|_| self.integrator.is_none()))
     }
 
     /// The error to stop at, and what it is measured by.
@@ -761,12 +762,13 @@ impl RenderArgs {
             }),
             filter: self.filter.unwrap_or(scene.filter),
             integrator: self.integrator.map_or(scene.integrator, |Integrator(integrator)| integrator),
-            reuse: self.of_integrator(self.reuse, scene.reuse),
-            light_paths: self.of_integrator(self.light_paths, scene.light_paths),
+            reuse: self.of_integrator(self.reuse.map(|it| it == Switch::On), scene.reuse),
+            light_paths: self.of_integrator(self.light_paths.map(|it| it == Switch::On), scene.light_paths),
             spectral: self.spectral.map_or(scene.spectral, |spectral| spectral == Switch::On),
             white_balance: self.white_balance.map_or(scene.white_balance, |White(white)| Some(white)),
             max_depth: self.max_depth.map_or(scene.max_depth, |depth| depth.0),
             shadow_rays: self.shadow_rays.unwrap_or(scene.shadow_rays),
+            first_shadow_rays: self.of_integrator(self.first_shadow_rays, scene.first_shadow_rays),
             roulette: self.roulette.map_or(scene.roulette, |roulette| roulette.0),
             photons: PhotonDesc {
                 count: self.photons.or(scene.photons.count),

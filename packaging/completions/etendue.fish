@@ -80,6 +80,7 @@ jittered\t'One random position in each of n x n cells'
 grid\t'n x n regular positions'
 gaussian\t'Normally distributed around the pixel\'s centre'"
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l shadow-rays -d 'Light samples per hit, in place of the scene\'s' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l first-shadow-rays -d 'Light samples at the hits that the camera sees itself or by way of mirrors and smooth glass alone. Only with the integrator path. In place of the scene\'s; by default, a pilot of long renders says' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l roulette -d 'Which survival probability Russian roulette ends paths by, in place of the scene\'s' -r -f -a "own\t'The library\'s own, by the throughput that a path still carries'
 file\t'The reflectionRate of the scene\'s materials'"
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l photons -d 'Light paths of a photon map (of each pass, where maps are made anew), in place of the scene\'s' -r

@@ -292,6 +292,9 @@ pub(super) fn render(it: &etd_render_options, film: [u32; 2]) -> Result<RenderDe
             return Err(Failure::argument(message));
         }
     }
+    if it.reserved != 0 {
+        return Err(Failure::argument("options.reserved is not 0"));
+    }
     let desc = RenderDesc {
         resolution,
         crop,
@@ -324,6 +327,7 @@ pub(super) fn render(it: &etd_render_options, film: [u32; 2]) -> Result<RenderDe
         white_balance: (it.white_balance != [0.0; 2]).then_some(it.white_balance),
         max_depth: (it.max_depth != 0).then_some(it.max_depth),
         shadow_rays: it.shadow_rays.max(1),
+        first_shadow_rays: given(it.first_shadow_rays),
         roulette: match enumeration("options.roulette", it.roulette)? {
             ETD_ROULETTE_OWN => RouletteDesc::Own,
             ETD_ROULETTE_FILE => RouletteDesc::File,
@@ -389,6 +393,7 @@ pub(super) fn in_options(error: Error) -> Failure {
         "filter_sigma" | "filter_b" => "filter_parameters[0]",
         "filter_c" => "filter_parameters[1]",
         "max_angle" => "max_angle_deg",
+        "integrator_first_shadow_rays" => "first_shadow_rays",
         field => field,
     };
     Failure::argument(format!("options.{field}: {}", error.message()))
@@ -546,6 +551,8 @@ pub(super) fn render_out(desc: &RenderDesc) -> etd_render_options {
         checkpoint_file: std::ptr::null(),
         checkpoint_seconds: 0.0,
         resume: std::ptr::null(),
+        first_shadow_rays: desc.first_shadow_rays.unwrap_or(0),
+        reserved: 0,
         error_measure: ETD_ERROR_RELMSE.number(),
         adaptive: ETD_SWITCH_DEFAULT.number(),
         radiosity_element_size: radiosity.element_size.unwrap_or(0.0),

@@ -74,6 +74,10 @@ pub struct RenderDesc {
     pub max_depth: Option<u32>,
     /// Light samples per hit, from 1 to [`MAX_SHADOW_RAYS`].
     pub shadow_rays: u32,
+    /// Light samples at the hits that the camera sees itself or by way of perfectly specular surfaces alone, from 1 to [`MAX_SHADOW_RAYS`],
+    /// with [`IntegratorDesc::Path`]; `Some` is refused with others. `None`: as many as at other hits, or where the render is long and
+    /// not adaptive up to eight times as many, as a pilot says, also where [`IntegratorDesc::Auto`] chooses paths.
+    pub first_shadow_rays: Option<u32>,
     /// The survival probability by which Russian roulette ends paths.
     pub roulette: RouletteDesc,
     /// Settings of photon maps.
@@ -101,6 +105,7 @@ impl Default for RenderDesc {
             white_balance: None,
             max_depth: None,
             shadow_rays: 1,
+            first_shadow_rays: None,
             roulette: RouletteDesc::Own,
             photons: PhotonDesc::default(),
             cache: CacheDesc::default(),

@@ -142,6 +142,9 @@ pub(super) struct Integrator {
     /// See [`RenderDesc::light_paths`](super::RenderDesc::light_paths).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) light_paths: Option<bool>,
+    /// See [`RenderDesc::first_shadow_rays`](super::RenderDesc::first_shadow_rays).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) first_shadow_rays: Option<Whole>,
 }
 
 /// The positions of the samples of a pixel.
@@ -243,6 +246,10 @@ mod schema {
         reuse: Option<bool>,
         /// For `path`: whether light paths find caustics beside the paths from the camera. Default: where a pilot says that it pays.
         light_paths: Option<bool>,
+        /// For `path`: number of light samples at the hits that the camera sees itself or by way of perfectly specular surfaces alone. Default: as many as
+        /// at other hits, or more where a pilot says that it pays.
+        #[schemars(range(min = 1, max = 1024))]
+        first_shadow_rays: Option<u32>,
     }
 
     /// One of the names in the table of integrators.

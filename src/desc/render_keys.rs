@@ -91,6 +91,9 @@ impl RenderDesc {
             max_depth(&at("maxDepth"), whole(depth))?;
         }
         shadow_rays(&at("shadowRays"), whole(self.shadow_rays))?;
+        if let Some(count) = self.first_shadow_rays {
+            shadow_rays(&at("integrator.firstShadowRays"), whole(count))?;
+        }
         if let Some(white) = self.white_balance {
             white_balance::check(&at("whiteBalance"), white)?;
         }
@@ -127,10 +130,12 @@ fn integrator(raw: &RawValue, path: &str, render: &mut RenderDesc) -> Result<()>
     let names = IntegratorDesc::ALL.map(IntegratorDesc::name);
     let (name, block) = json::named(raw, path, &names)?;
     render.integrator = IntegratorDesc::from_name(&name).unwrap_or_default();
-    (render.reuse, render.light_paths) = (None, None);
+    (render.reuse, render.light_paths, render.first_shadow_rays) = (None, None, None);
     if block {
-        let Integrator { reuse, light_paths, .. } = json::object(raw, path)?;
+        let Integrator { reuse, light_paths, first_shadow_rays, .. } = json::object(raw, path)?;
         (render.reuse, render.light_paths) = (reuse, light_paths);
+        let first = first_shadow_rays.map(|count| shadow_rays(&join(path, "firstShadowRays"), count));
+        render.first_shadow_rays = first.transpose()?;
     }
     Ok(())
 }

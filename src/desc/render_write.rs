@@ -58,9 +58,11 @@ impl RenderDesc {
 /// Writes an integrator: its name, or an object where it has settings that differ from their defaults.
 fn integrator(render: &RenderDesc) -> Result<Box<RawValue>> {
     let name = IntegratorDesc::name(render.integrator);
-    match (render.reuse, render.light_paths) {
-        (None, None) => raw(&name),
-        (reuse, light_paths) => raw(&Integrator { name: name.to_owned(), reuse, light_paths }),
+    match (render.reuse, render.light_paths, render.first_shadow_rays) {
+        (None, None, None) => raw(&name),
+        (reuse, light_paths, first) => {
+            raw(&Integrator { name: name.to_owned(), reuse, light_paths, first_shadow_rays: first.map(whole) })
+        }
     }
 }
 

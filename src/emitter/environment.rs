@@ -123,7 +123,7 @@ mod tests {
 
     #[test]
     fn bodies_in_a_uniform_environment_send_what_they_scatter() {
-        let path = Path { max_depth: None, shadow_rays: 1 };
+        let path = Path::new(None, 1);
         let whitted = Whitted { max_depth: None, shadow_rays: 1 };
         // Light meets a convex diffuse body once, so it sends its albedo; what absorbs nothing cannot be seen.
         let albedo = Rgb::splat(0.6);
@@ -162,7 +162,7 @@ mod tests {
     #[test]
     fn a_ray_that_meets_nothing_sees_the_environment() {
         let mut scene = Scene::build(&SceneDesc::default(), &BuildOptions::default()).unwrap();
-        let path = Path { max_depth: Some(1), shadow_rays: 1 };
+        let path = Path::new(Some(1), 1);
         let see = |scene: &Scene| {
             let (mut sampler, mut tracer) = (SobolSampler::new(1, 1), SceneTracer::new(scene));
             path.radiance(scene, Ray::new(Vec3::ZERO, Vec3::X), &mut sampler, &mut tracer, &mut |_| {})

@@ -133,7 +133,7 @@ impl Irradiance {
         }
         let white = Bsdf::Lambert(Lambert::new(Rgb::ONE));
         let vertex = Vertex::seen_along_normal(scene, surface, &white, self.front);
-        let Path { max_depth, shadow_rays } = self.path;
+        let Path { max_depth, shadow_rays, .. } = self.path;
         let mut context = Context { scene, sampler, tracer, wavelengths: () };
         let max_depth = max_depth.map_or(u32::MAX, |depth| depth.saturating_sub(1));
         PI * scattered_light(&vertex, &mut context, max_depth, shadow_rays, ())

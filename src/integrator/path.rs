@@ -4,7 +4,8 @@
 //! perfectly specular, and Russian roulette instead of a depth limit. Path tracing is a poor choice for caustics of small
 //! lights, since paths hit such lights only by chance.
 //!
-//! `"integrator": { "type": "path" }`, with `shadowRays` (1) light samples per hit and `maxDepth` (none).
+//! `"integrator": { "type": "path" }`, with `shadowRays` (1) light samples per hit, `firstShadowRays` at hits that the camera sees, and
+//! `maxDepth` (none).
 //!
 //! Sources: Kajiya 1986, "The Rendering Equation"; Veach 1997, chapters 8 to 10; Arvo and Kirk 1990, "Particle Transport
 //! and Image Synthesis" (roulette).
@@ -26,11 +27,22 @@ pub struct Path {
     pub max_depth: Option<u32>,
     /// Light samples per hit, >= 1.
     pub shadow_rays: u32,
+    /// The same for hits that the camera sees itself or by way of perfectly specular surfaces alone, >= 1.
+    pub first_shadow_rays: u32,
 }
 
 impl Path {
+    /// Path tracing with the same number of light samples at all hits.
+    pub const fn new(max_depth: Option<u32>, shadow_rays: u32) -> Self {
+        Self { max_depth, shadow_rays, first_shadow_rays: shadow_rays }
+    }
+
     pub(super) fn limits(&self) -> Limits<'_> {
-        Limits { max_depth: self.max_depth.unwrap_or(u32::MAX), ..Limits::new(self.shadow_rays) }
+        Limits {
+            max_depth: self.max_depth.unwrap_or(u32::MAX),
+            first_shadow_rays: self.first_shadow_rays,
+            ..Limits::new(self.shadow_rays)
+        }
     }
 }
 

@@ -97,7 +97,7 @@ impl Probes {
                 let white = Bsdf::Lambert(Lambert::new(Rgb::ONE));
                 let vertex = Vertex::seen_along_normal(scene, surface, &white, true);
                 let radiance = match &self.transport {
-                    ProbeTransport::Path(Path { max_depth, shadow_rays }) => {
+                    ProbeTransport::Path(Path { max_depth, shadow_rays, .. }) => {
                         let max_depth = max_depth.map_or(u32::MAX, |depth| depth.saturating_sub(1));
                         scattered_light(&vertex, &mut context, max_depth, *shadow_rays, ())
                     }

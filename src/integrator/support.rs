@@ -138,6 +138,26 @@ pub fn no_light_paths(why: &str, expected: &str) -> Result<()> {
     Err(Error::new(ErrorKind::Unsupported, message))
 }
 
+/// Refuses a number of light samples at the first hits for an integrator that takes as many at all hits.
+///
+/// # Errors
+/// [`ErrorKind::Unsupported`], whose message names the integrator.
+pub fn check_first_shadow_rays(integrator: IntegratorDesc) -> Result<()> {
+    if integrator == IntegratorDesc::Path { Ok(()) } else { no_first_shadow_rays(integrator.name()) }
+}
+
+/// Says that a method has no number of light samples of its own for the first hits.
+///
+/// # Errors
+/// [`ErrorKind::Unsupported`], always.
+pub fn no_first_shadow_rays(method: &str) -> Result<()> {
+    let message = format!(
+        "render.integrator.firstShadowRays is given, and {method} has no number of its own for what the camera sees; expected \
+         shadowRays alone, or a picture by the integrator path"
+    );
+    Err(Error::new(ErrorKind::Unsupported, message))
+}
+
 /// What each path of a render has by itself, so that what it finds is not what another one would have found, and what would be expected
 /// instead.
 fn what_paths_have_apart(scene: &Scene, desc: &RenderDesc) -> Option<(&'static str, &'static str)> {

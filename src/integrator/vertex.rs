@@ -79,8 +79,8 @@ impl<C: Spectrum> LightSample<C> {
     }
 }
 
-/// The receiver that a ray leaves and the density [sr^-1] of the ray's direction; `None` where a light sample could not have
-/// sampled the direction as well.
+/// The receiver that a ray leaves and the density (sr^-1) of the ray's direction over the number of light samples taken there; `None` where
+/// a light sample could not have sampled the direction as well.
 pub(super) type PreviousBounce = Option<(Receiver, f32)>;
 
 /// Radiance from infinity along a ray that misses the scene, with the multiple importance sampling weight of Bsdf sampling
@@ -92,7 +92,6 @@ pub(super) fn escaped<C: Spectrum>(
     scene: &Scene,
     ray: &Ray,
     previous: PreviousBounce,
-    light_samples: u32,
     from_camera: bool,
     wavelengths: &C::Wavelengths,
 ) -> C {
@@ -107,7 +106,7 @@ pub(super) fn escaped<C: Spectrum>(
         let weight = match previous {
             Some((receiver, pdf)) => {
                 let light_pdf = scene.emitters().pdf_infinite(emitter, receiver, ray.direction);
-                power_heuristic(pdf, light_samples as f32 * light_pdf)
+                power_heuristic(pdf, light_pdf)
             }
             None => 1.0,
         };
@@ -123,7 +122,6 @@ fn emission<C: Spectrum>(
     emitter: u32,
     ([ng, wo, p], time): ([Vec3; 3], f32),
     previous: PreviousBounce,
-    light_samples: u32,
     wavelengths: &C::Wavelengths,
 ) -> C {
     let Some(emitter) = emitters.on_side(emitter, ng, wo) else { return C::ZERO };
@@ -131,7 +129,7 @@ fn emission<C: Spectrum>(
     match previous {
         Some((receiver, pdf)) if le != C::ZERO => {
             let light_pdf = emitters.pdf_at(emitter, receiver, p, time);
-            le * power_heuristic(pdf, light_samples as f32 * light_pdf)
+            le * power_heuristic(pdf, light_pdf)
         }
         _ => le,
     }
@@ -379,15 +377,14 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
     /// Radiance emitted back along the path, with the multiple importance sampling weight of Bsdf sampling against light
     /// sampling.
     ///
-    /// `previous` holds the receiver and density [sr^-1] of the bounce that led here, or `None` when no light sample could
-    /// have led here. `light_samples` is the number of light samples taken at that bounce.
+    /// `previous` is the bounce that led here, or `None` when no light sample could have led here.
     #[inline(always)]
-    pub fn emitted(&self, scene: &Scene, previous: PreviousBounce, light_samples: u32) -> C {
+    pub fn emitted(&self, scene: &Scene, previous: PreviousBounce) -> C {
         let SurfaceInteraction { emitter, ng, point: HitPoint { p, time, .. }, .. } = self.surface;
         match emitter {
             Some(emitter) => {
                 let at = ([ng, self.wo_scene, p], time);
-                emission(scene.emitters(), emitter, at, previous, light_samples, &self.wavelengths)
+                emission(scene.emitters(), emitter, at, previous, &self.wavelengths)
             }
             None => C::ZERO,
         }

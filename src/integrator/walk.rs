@@ -8,6 +8,7 @@ use super::light_tracing::{LightPaths, is_of_chain};
 use super::media::{arrive, left_after};
 use super::tracer::{Context, FirstHit, Tracer};
 use super::vertex::{Bounce, PreviousBounce, Vertex, escaped};
+use crate::desc::MAX_SHADOW_RAYS;
 use crate::math::Ray;
 use crate::sampling::Sampler;
 use crate::scene::{Hit, PathMedia, Scene};
@@ -31,6 +32,8 @@ pub(super) struct Limits<'l> {
     pub max_depth: u32,
     /// Light samples at a hit, >= 1.
     pub shadow_rays: u32,
+    /// The same for hits that the camera sees itself or by way of perfectly specular surfaces alone.
+    pub first_shadow_rays: u32,
     /// Whether a specular surface at the last allowed hit still shows the lights it reflects or refracts.
     pub mirrors_see_lights: bool,
     /// The bounce that the first ray comes from.
@@ -43,7 +46,20 @@ impl Limits<'_> {
     /// Limits for paths that only absorption and Russian roulette end.
     #[inline(always)]
     pub fn new(shadow_rays: u32) -> Self {
-        Self { max_depth: u32::MAX, shadow_rays, mirrors_see_lights: false, previous: None, light_paths: None }
+        Self {
+            max_depth: u32::MAX,
+            shadow_rays,
+            first_shadow_rays: shadow_rays,
+            mirrors_see_lights: false,
+            previous: None,
+            light_paths: None,
+        }
+    }
+
+    /// The most light samples that a hit has, of those that a description may ask for.
+    #[inline]
+    pub fn most_shadow_rays(&self) -> usize {
+        self.shadow_rays.max(self.first_shadow_rays).min(MAX_SHADOW_RAYS) as usize
     }
 }
 
@@ -65,6 +81,8 @@ pub(super) struct Walk<C: Spectrum> {
     /// Throughput at which a path survives with certainty: a fraction of the throughput after the first hit, so that
     /// indirect light on a dark wall has the same relative noise as on a white one.
     roulette_reference: f32,
+    /// Whether the path has left a surface by other than a perfectly specular lobe.
+    is_scattered: bool,
     /// Whether the path goes on with its first wavelength alone.
     pub alone: C::Alone,
     /// Number of hits so far, including the current one.
@@ -82,6 +100,7 @@ impl<C: Spectrum> Walk<C> {
             eta2: 1.0,
             density: 0.0,
             roulette_reference: 1.0,
+            is_scattered: previous.is_some(),
             alone: C::Alone::default(),
             depth: 0,
         }
@@ -164,10 +183,10 @@ impl<C: Spectrum> Walk<C> {
 
     /// Adds the radiance from infinity after the path's ray missed the scene.
     #[inline(always)]
-    pub fn escape(&mut self, scene: &Scene, ray: &Ray, limits: &Limits, wavelengths: &C::Wavelengths) {
+    pub fn escape(&mut self, scene: &Scene, ray: &Ray, wavelengths: &C::Wavelengths) {
         if scene.emitters().has_infinite() {
             let from_camera = self.depth == 0 && self.previous.is_none();
-            let light = escaped::<C>(scene, ray, self.previous, limits.shadow_rays, from_camera, wavelengths);
+            let light = escaped::<C>(scene, ray, self.previous, from_camera, wavelengths);
             self.radiance += self.throughput * light;
         }
     }
@@ -206,7 +225,7 @@ impl<C: Spectrum> Walk<C> {
         if self.depth == 1 {
             first(vertex.first_hit(scene));
         }
-        let emitted = self.throughput * vertex.emitted(scene, self.previous, limits.shadow_rays);
+        let emitted = self.throughput * vertex.emitted(scene, self.previous);
         self.radiance += match limits.light_paths {
             Some(paths) if self.density > 0.0 && self.previous.is_none() => {
                 emitted * paths.weight(self.density, scene, vertex)
@@ -214,6 +233,12 @@ impl<C: Spectrum> Walk<C> {
             _ => emitted,
         };
         self.depth <= limits.max_depth && !vertex.lobes.is_empty()
+    }
+
+    /// Number of light samples at the vertex where the path has arrived.
+    #[inline(always)]
+    fn shadow_rays(&self, limits: &Limits) -> u32 {
+        if self.is_scattered { limits.shadow_rays } else { limits.first_shadow_rays }
     }
 
     /// Takes light samples at the vertex where the path has arrived, as [`Self::meet`] does, and samples its next direction.
@@ -226,7 +251,7 @@ impl<C: Spectrum> Walk<C> {
         limits: &Limits,
         light: &mut impl FnMut(&mut C, Ray, C),
     ) -> Option<Bounce<C>> {
-        let shadow_rays = limits.shadow_rays;
+        let shadow_rays = self.shadow_rays(limits);
         if vertex.finds_light_samples() && !scene.emitters().is_dark() {
             for _ in 0..shadow_rays {
                 if let Some((shadow, sent)) = vertex.light_sample(scene, sampler.next_4d(), shadow_rays, false) {
@@ -263,6 +288,7 @@ impl<C: Spectrum> Walk<C> {
     pub fn aimed(&self, weight: C, density: f32) -> Self {
         let mut walk = self.branch(weight, false);
         walk.density = density;
+        walk.is_scattered = true;
         walk.eta2 = 1.0;
         walk.keep_for_certain();
         walk
@@ -313,7 +339,8 @@ impl<C: Spectrum> Walk<C> {
         self.throughput *= bounce.weight;
         self.disperse(bounce.disperses);
         self.eta2 *= bounce.eta * bounce.eta;
-        self.previous = bounce.pdf.map(|pdf| (vertex.receiver(), pdf));
+        self.previous = bounce.pdf.map(|pdf| (vertex.receiver(), pdf / self.shadow_rays(limits) as f32));
+        self.is_scattered |= bounce.pdf.is_some();
         self.density = match (bounce.pdf, limits.light_paths) {
             (None, _) if is_of_chain(vertex, depth - 1) => self.density * (bounce.eta * bounce.eta),
             (Some(pdf), Some(paths)) if depth == 1 => paths.density(vertex, bounce.ray.direction, pdf),
@@ -355,7 +382,7 @@ pub(super) fn trace<C: Spectrum, S: Sampler, T: Tracer>(
         let hit = arrive(context.scene, context.tracer, &ray, &mut media);
         walk.pass_media(context.scene, &ray, hit.as_ref(), media, &context.wavelengths);
         let Some(hit) = hit else {
-            walk.escape(context.scene, &ray, limits, &context.wavelengths);
+            walk.escape(context.scene, &ray, &context.wavelengths);
             break;
         };
         let mut slot = None;
@@ -389,7 +416,7 @@ pub(super) fn scattered_light<C: Spectrum, S: Sampler, T: Tracer>(
     vertex.add_light_samples(&mut radiance, context, shadow_rays, false, alone);
     let bounce = vertex.sample_bounce(context.sampler.next_4d());
     if let Some(bounce) = bounce.filter(|bounce| bounce.pdf.is_some()) {
-        let previous = bounce.pdf.map(|pdf| (vertex.receiver(), pdf));
+        let previous = bounce.pdf.map(|pdf| (vertex.receiver(), pdf / shadow_rays as f32));
         let limits = Limits { max_depth, previous, ..Limits::new(shadow_rays) };
         let media = vertex.media_beyond(context.scene, &bounce.ray);
         let mut weight = bounce.weight;

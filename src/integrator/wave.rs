@@ -9,7 +9,6 @@ use super::media::{light_through, seen};
 use super::tracer::{FirstHit, Tracer};
 use super::vertex::Vertex;
 use super::walk::{Limits, Walk};
-use crate::desc::MAX_SHADOW_RAYS;
 use crate::math::{Ray, Vec3};
 use crate::sampling::Sampler;
 use crate::scene::{Hit, PathMedia, Scene};
@@ -116,7 +115,7 @@ impl<C: Spectrum> Wave<C> {
         hits.resize(samples.len().max(hits.len()), None);
         // The largest number of shadow rays that the vertices can send, up to the largest number that a description may ask
         // for, is reserved here, so that no later wave allocates.
-        let most_shadows = samples.len() * limits.shadow_rays.min(MAX_SHADOW_RAYS) as usize;
+        let most_shadows = samples.len() * limits.most_shadow_rays();
         shadows.clear();
         shadows.reserve(most_shadows);
         lights.clear();
@@ -154,7 +153,7 @@ impl<C: Spectrum> Wave<C> {
                 let number = active[i];
                 let Sample { sampler, first, wavelengths, .. } = &mut samples[number as usize];
                 let Some(hit) = hit else {
-                    walks[number as usize].escape(scene, &rays[i], limits, wavelengths);
+                    walks[number as usize].escape(scene, &rays[i], wavelengths);
                     continue;
                 };
                 let mut slot = None;
@@ -258,15 +257,16 @@ mod tests {
             let desc = desc::load(format!("{scenes}/{name}.json").as_ref(), None).unwrap();
             let scene = Scene::build(&desc, &BuildOptions::default()).unwrap();
             let (sobol, pattern) = (SobolSampler::new(3, 64).in_turn(8), PatternSampler::new(Pattern::Jittered, 3, 16));
-            compare(&scene, &Path { max_depth: None, shadow_rays: 1 }, &sobol);
-            compare(&scene, &Path { max_depth: Some(4), shadow_rays: 3 }, &pattern);
+            compare(&scene, &Path::new(None, 1), &sobol);
+            compare(&scene, &Path::new(Some(4), 3), &pattern);
+            compare(&scene, &Path { first_shadow_rays: 4, ..Path::new(None, 1) }, &sobol);
             compare(&scene, &Direct { shadow_rays: 2 }, &sobol);
             // Shapes are user geometry in Embree's tree.
             let all = BuildOptions { listed_shapes: Some(0), ..BuildOptions::default() };
-            compare(&Scene::build(&desc, &all).unwrap(), &Path { max_depth: None, shadow_rays: 1 }, &sobol);
+            compare(&Scene::build(&desc, &all).unwrap(), &Path::new(None, 1), &sobol);
             // Larger meshes are instances.
             let dynamic = BuildOptions { dynamic: true, ..BuildOptions::default() };
-            compare(&Scene::build(&desc, &dynamic).unwrap(), &Path { max_depth: None, shadow_rays: 1 }, &sobol);
+            compare(&Scene::build(&desc, &dynamic).unwrap(), &Path::new(None, 1), &sobol);
         }
     }
 
@@ -292,7 +292,7 @@ mod tests {
         )));
         scene.set_emitters(EmitterSet::new(emitters));
         let sobol = SobolSampler::new(3, 64).in_turn(8);
-        compare(&scene, &Path { max_depth: None, shadow_rays: 2 }, &sobol);
+        compare(&scene, &Path::new(None, 2), &sobol);
         compare(&scene, &Direct { shadow_rays: 1 }, &sobol);
     }
 
@@ -306,7 +306,7 @@ mod tests {
             let desc = desc::parse(text, "".as_ref(), None).unwrap();
             let scene = Scene::build(&desc, &BuildOptions::default()).unwrap();
             assert!(scene.has_media());
-            compare(&scene, &Path { max_depth: None, shadow_rays: 2 }, &sobol);
+            compare(&scene, &Path::new(None, 2), &sobol);
             if std::ptr::eq(text, &texts[0]) {
                 // Inside of the water, few samples find direct light.
                 compare(&scene, &Direct { shadow_rays: 1 }, &sobol);
@@ -321,7 +321,7 @@ mod tests {
         use crate::scene::varying::{footprints, veiled_floor};
         let sobol = SobolSampler::new(3, 64).in_turn(8);
         for scene in [crossing_balls(false), crossing_balls(true), veiled_floor(), footprints()] {
-            compare(&scene, &Path { max_depth: None, shadow_rays: 2 }, &sobol);
+            compare(&scene, &Path::new(None, 2), &sobol);
             compare(&scene, &Direct { shadow_rays: 1 }, &sobol);
         }
     }

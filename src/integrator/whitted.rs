@@ -75,7 +75,7 @@ impl<C: Spectrum> Transport<C> for Whitted {
             }
             let Some(hit) = hit else {
                 let (ray, from_camera) = (&branch.ray, branch.depth == 1);
-                let light = escaped::<C>(context.scene, ray, None, 0, from_camera, &context.wavelengths);
+                let light = escaped::<C>(context.scene, ray, None, from_camera, &context.wavelengths);
                 radiance += branch.throughput * light;
                 continue;
             };
@@ -84,7 +84,7 @@ impl<C: Spectrum> Transport<C> for Whitted {
             if branch.depth == 1 {
                 first(vertex.first_hit(context.scene));
             }
-            radiance += branch.throughput * vertex.emitted(context.scene, None, 0);
+            radiance += branch.throughput * vertex.emitted(context.scene, None);
             if vertex.lobes.is_empty() {
                 continue;
             }

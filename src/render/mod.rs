@@ -112,6 +112,8 @@ pub struct Render {
     undecided: Option<Undecided>,
     /// Light paths, where the render has them, and what they bring to the samples of the next pass.
     light_paths: Option<LightPaths>,
+    /// Number of light samples at the hits that the camera sees, where the render traces paths.
+    first_shadow_rays: u32,
     light_pictures: Option<LightPictures>,
     /// What the pilot found.
     found: Option<Found>,
@@ -179,7 +181,7 @@ impl Render {
         let method = method.unwrap_or_else(|| Method::new(integrator));
         let filter = Filter::new(&filter_desc);
         let scene = scene.with_roulette(desc.roulette);
-        let path = Path { max_depth: desc.max_depth, shadow_rays: desc.shadow_rays };
+        let path = Path::new(desc.max_depth, desc.shadow_rays);
         let reuse = || PathReuse::new(&scene, path);
         let method = if wanted.reuse == Decision::Yes { Method::Reuse(reuse()) } else { method };
         let light_paths = match wanted.light_paths {
@@ -218,6 +220,7 @@ impl Render {
         let workers = settings.own_workers()?;
         Ok(Self {
             light_paths,
+            first_shadow_rays: wanted.first_shadow_rays.unwrap_or(desc.shadow_rays),
             light_pictures: None,
             scene,
             desc: shared,
@@ -439,6 +442,9 @@ impl Render {
                 if let Some(paths) = open.light.filter(|_| found.traces_light()) {
                     self.light_paths = Some(paths.with_count(found.count));
                 }
+                if open.first_shadow_rays {
+                    self.first_shadow_rays = self.desc.shadow_rays * found.first_shadow_rays;
+                }
                 let sharing = open.sharing.filter(|_| found.shares());
                 self.found = Some(found);
                 sharing.map_or_else(|| self.method.clone(), Method::Reuse)
@@ -493,6 +499,7 @@ impl Render {
             desc: Arc::clone(&self.desc),
             method: self.method.clone(),
             film: Arc::clone(&self.film),
+            first_shadow_rays: self.first_shadow_rays,
             light: self
                 .light_paths
                 .clone()
@@ -596,6 +603,12 @@ impl Render {
                 "light paths found caustics: a pilot expected the same error in {times} times less time"
             ));
         }
+        if self.found.as_ref().is_some_and(|found| found.first_shadow_rays > 1) {
+            let count = self.first_shadow_rays;
+            notes.push(format!(
+                "what the camera sees had {count} light samples for each path, as a pilot expected to pay"
+            ));
+        }
         notes.extend(self.plan.iter().flat_map(|plan| plan.notes().iter().cloned()));
         notes.extend(self.radiosity.iter().flat_map(|solution| solution.notes().iter().cloned()));
         if let Some(depth) = self.settings.desc.max_depth.filter(|_| self.integrator().info().cut_by_max_depth) {
@@ -637,6 +650,7 @@ impl Render {
             adaptive: self.stage.is_some(),
             reuse: matches!(self.method, Method::Reuse(_)),
             light_paths: self.light_paths.is_some(),
+            first_shadow_rays: self.first_shadow_rays,
             rays: self.rays,
             rel_mse,
             display_error: self.film.error_unless(ErrorMeasure::Display, cancel),

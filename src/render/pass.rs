@@ -48,6 +48,8 @@ pub(super) struct PassInput {
     pub desc: Arc<RenderDesc>,
     pub method: Method,
     pub film: Arc<Film>,
+    /// Light samples at hits that the camera sees, where paths are traced.
+    pub first_shadow_rays: u32,
     /// The light paths of the render, and what they bring to the samples of the pass.
     pub light: Option<Light>,
 }
@@ -238,10 +240,12 @@ impl<I: Transport<C>, C: Spectrum> Measurement for CameraRadiance<'_, I, C> {
     type Carried = C;
     type Memory = I::Memory;
 
-    /// A wave, or with several shadow rays per hit the number of paths whose shadow rays make a wave.
+    /// A wave, or with several shadow rays per hit the number of paths whose shadow rays make a wave. Those of the first hit come once.
     fn batch_size(&self, pass: &Pass) -> usize {
         match (I::IN_WAVES, pass.input.film.options().gathering) {
-            (true, _) => (WAVE / pass.input.desc.shadow_rays.max(1) as usize).max(1),
+            (true, _) => {
+                (WAVE / pass.input.desc.shadow_rays.max(pass.input.first_shadow_rays / 8).max(1) as usize).max(1)
+            }
             (false, true) => 1,
             (false, false) => SAMPLES_PER_BATCH,
         }
@@ -396,16 +400,17 @@ impl Measurement for Probes {
 impl SharedWork for Pass {
     /// Chooses the integrator once for all tiles. The code below is compiled for each pair of integrator and sampler.
     fn take(&self, pause: &mut dyn FnMut() -> bool) -> bool {
-        let shadow_rays = self.input.desc.shadow_rays;
-        let max_depth = self.input.desc.max_depth;
+        let RenderDesc { max_depth, shadow_rays, .. } = *self.input.desc;
+        let first_shadow_rays = self.input.first_shadow_rays;
+        let path = Path { first_shadow_rays, ..Path::new(max_depth, shadow_rays) };
         let is_spectral = self.input.desc.spectral;
         match &self.input.method {
-            Method::Path if is_spectral => self.in_wavelengths(&Path { max_depth, shadow_rays }, pause),
-            Method::Reuse(reuse) => self.in_colours(&reuse.clone().beside(self.light_paths()), pause),
-            Method::Path => {
-                let path = Path { max_depth, shadow_rays };
-                self.in_colours(&LitPath { path, light_paths: self.light_paths() }, pause)
+            Method::Path if is_spectral => self.in_wavelengths(&path, pause),
+            Method::Reuse(reuse) => {
+                let reuse = reuse.clone().with_first_shadow_rays(first_shadow_rays);
+                self.in_colours(&reuse.beside(self.light_paths()), pause)
             }
+            Method::Path => self.in_colours(&LitPath { path, light_paths: self.light_paths() }, pause),
             Method::Whitted if is_spectral => self.in_wavelengths(&Whitted { max_depth, shadow_rays }, pause),
             Method::Whitted => self.in_colours(&Whitted { max_depth, shadow_rays }, pause),
             Method::Direct if is_spectral => self.in_wavelengths(&Direct { shadow_rays }, pause),

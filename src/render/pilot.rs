@@ -8,6 +8,9 @@
 //! alone, is the sum of x^2 b / a; a f^2 / (a + b)^2, of these with their weights, that of x^2 a b / (a + b)^2; and f^2 / (a + b), of both
 //! together, that of x^2 b / (a + b). With k times as many light paths, b becomes k b.
 //!
+//! Every other square is rendered once more with several light samples for each at the hits that the camera sees. The error is A + B / n
+//! for n times as many, so that both errors give B.
+//!
 //! Source: Grittmann, Yazici, Georgiev, Slusallek 2022, "Efficiency-Aware Multiple Importance Sampling for Bidirectional Rendering
 //! Algorithms".
 
@@ -29,9 +32,9 @@ use crate::spectrum::LUMINANCE_WEIGHTS;
 /// Least and greatest number of squares of a pilot in a row and in a column.
 pub(super) const ACROSS: [u32; 2] = [6, 10];
 
-/// Number of samples of a picture over those of its pilot. Both ways together take about the time of three paths for each sample of the
+/// Number of samples of a picture over those of its pilot. All ways together take about the time of four paths for each sample of the
 /// pilot, which then is a thirtieth of the picture's.
-pub(super) const TIMES_LONGER: u64 = 90;
+pub(super) const TIMES_LONGER: u64 = 110;
 
 /// Number of samples of a picture for each light path of its pilot.
 const SAMPLES_A_LIGHT_PATH: u64 = 48;
@@ -48,6 +51,18 @@ const TIME_OF_A_SHARED_RAY: f64 = 0.45;
 /// The same for a ray of a light path, with the choice of where it begins.
 const TIME_OF_A_LIGHT_RAY: f64 = 1.6;
 
+/// The same for the ray of one more light sample at the first hit, with the choice of a lamp.
+const TIME_OF_A_LIGHT_SAMPLE: f64 = 1.4;
+
+/// What a way with more light samples costs counts so many times: of the errors that few bright pixels have, which squares rarely meet, more
+/// light samples take nothing away.
+const DOUBT_OF_SAMPLES: f64 = 1.25;
+
+/// Numbers of light samples at the first hit that are considered, in those of other hits, and the one that is rendered.
+const TIMES_AS_MANY_SAMPLES: [u32; 4] = [1, 2, 4, MOST_TIMES];
+const SAMPLES_TRIED: u32 = 4;
+pub(super) const MOST_TIMES: u32 = 8;
+
 /// The gain in time from which on another way than that of paths by themselves is taken. Pilots promise a little more than pictures keep.
 const LEAST_GAIN: f64 = 1.1;
 
@@ -58,7 +73,7 @@ const LEAST_LIGHT_GAIN: f64 = 1.2;
 /// Numbers of light paths that are considered, in those of [`LightPaths::new`].
 const TIMES_AS_MANY: [u32; 4] = [1, 2, 4, 8];
 
-/// A square of which few pixels have most of the error is left out where one way has so many times the error of the other.
+/// The error of a square of which few pixels have most is at most so many times that of another way.
 const FEW_TIMES: f64 = 4.0;
 
 /// The least share of a square's error that is taken to have nothing to do with caustics.
@@ -72,6 +87,8 @@ pub(super) struct Found {
     /// How many times longer it takes without light paths, and how many of them are best for each sample.
     pub light: f64,
     pub count: u32,
+    /// Number of light samples at the hits that the camera sees, in that of other hits.
+    pub first_shadow_rays: u32,
     /// Number of rays of the pilot.
     pub rays: u64,
 }
@@ -102,7 +119,7 @@ struct Cost {
 #[derive(Clone, Debug)]
 struct Square {
     origin: [u32; 2],
-    /// For each way.
+    /// For each way: by itself, with shared hits where these are open, and in some squares the last of these with more light samples.
     costs: Vec<Cost>,
     /// For each way the mean luminance of each pixel and its variance, where light paths are open.
     pixels: Vec<Vec<[f64; 2]>>,
@@ -130,14 +147,15 @@ impl Caustics {
     }
 }
 
-/// Whether the error of a square says nothing about the ways: rare bright paths were met by one of them only.
-fn is_by_chance(square: &Square) -> bool {
-    let [first, second] = square.costs[..] else { return false };
-    let [mut less, mut more] = [first, second].map(|cost| cost.error);
-    if less.value > more.value {
-        std::mem::swap(&mut less, &mut more);
-    }
-    more.is_heavy_tailed() && more.value > FEW_TIMES * less.value
+/// The errors of a square in two ways. One that rests on few pixels counts [`FEW_TIMES`] the other at most, since rare bright paths may have
+/// been met by chance in one way only.
+fn errors_of(costs: [&Cost; 2]) -> [f64; 2] {
+    let [first, second] = costs.map(|cost| cost.error);
+    let limited = |error: ErrorEstimate, other: ErrorEstimate| {
+        let most = if error.is_heavy_tailed() { FEW_TIMES * other.value } else { f64::INFINITY };
+        error.value.min(most)
+    };
+    [limited(first, second), limited(second, first)]
 }
 
 /// Renders small squares of the picture in the ways that are open, and traces some light paths.
@@ -150,9 +168,14 @@ pub(super) fn pilot(input: &PassInput, undecided: &Undecided, parallel: &mut imp
     let samples = input.desc.resolution.map(u64::from).iter().product::<u64>() * u64::from(input.desc.samples);
     let desc = Arc::new(RenderDesc { seed: SEED, samples: SAMPLES, ..(*input.desc).clone() });
     let input = PassInput { desc, ..input.clone() };
-    let mut methods = vec![input.method.clone()];
-    methods.extend(undecided.sharing.clone().map(Method::Reuse));
-    let aims = methods.iter().map(|method| match method {
+    let few = input.first_shadow_rays;
+    let mut methods = vec![(input.method.clone(), few)];
+    methods.extend(undecided.sharing.clone().map(|reuse| (Method::Reuse(reuse), few)));
+    let kinds = methods.len();
+    if undecided.first_shadow_rays {
+        methods.extend(methods.last().map(|(method, _)| (method.clone(), few * SAMPLES_TRIED)));
+    }
+    let aims = methods.iter().map(|(method, _)| match method {
         Method::Reuse(reuse) => Some(reuse.aims().clone()),
         _ => None,
     });
@@ -164,9 +187,11 @@ pub(super) fn pilot(input: &PassInput, undecided: &Undecided, parallel: &mut imp
         parallel.map((across * across) as usize, move |number| {
             let origin = place(&input, across, number as u32);
             let mut square = Square { origin, costs: Vec::new(), pixels: Vec::new(), caustics: Vec::new() };
-            for method in &methods {
+            let is_even = (number as u32 / across + number as u32 % across).is_multiple_of(2);
+            for (method, first_shadow_rays) in methods.iter().take(if is_even { methods.len() } else { kinds }) {
+                let (method, first_shadow_rays) = (method.clone(), *first_shadow_rays);
                 let film = Arc::new(film(&input, origin)?);
-                let input = PassInput { method: method.clone(), film: Arc::clone(&film), ..input.clone() };
+                let input = PassInput { method, first_shadow_rays, film: Arc::clone(&film), ..input.clone() };
                 let has_light = input.light.is_some();
                 let rays = Pass::new(input, SAMPLES, None, token.clone()).into_rays();
                 square.costs.push(Cost { error: film.rel_mse().unwrap_or(NO_ERROR), rays });
@@ -188,7 +213,7 @@ pub(super) fn pilot(input: &PassInput, undecided: &Undecided, parallel: &mut imp
         let rays = light_rays.0 as f64 / f64::from(light_rays.1) * f64::from(paths.count()) / pixels;
         (paths.count(), rays * f64::from(across * across * SQUARE * SQUARE * SAMPLES))
     });
-    let mut found = compare(squares, light);
+    let mut found = compare(squares, kinds, light);
     found.rays += light_rays.0;
     Ok(found)
 }
@@ -330,52 +355,117 @@ fn film(input: &PassInput, origin: [u32; 2]) -> Result<Film> {
     Film::new(FilmOptions { resolution: [SQUARE; 2], placement, auxiliary: false, ..*options })
 }
 
-/// The gain of other ways than the first, by the squares' costs. `light`: number of light paths for each sample of all pixels, and their
-/// number of rays for the samples of the squares.
-fn compare(mut squares: Vec<Square>, light: Option<(u32, f64)>) -> Found {
-    let ways = squares.first().map_or(1, |square| square.costs.len());
-    let rays: Vec<u64> = (0..ways).map(|way| squares.iter().map(|square| square.costs[way].rays).sum()).collect();
-    let few = (rays[0] as f64).max(1.0);
-    let time = |way: usize| 1.0 + TIME_OF_A_SHARED_RAY * (rays[way] as f64 / few - 1.0);
-    squares.retain(|square| !is_by_chance(square));
-    let errors: Vec<f64> =
-        (0..ways).map(|way| squares.iter().map(|square| square.costs[way].error.value).sum()).collect();
+/// What squares tell of the time to a given error, in that of paths by themselves.
+struct Model {
+    /// For each way the error that has nothing to do with caustics, what is known of these, and the time of a sample.
+    rest: Vec<f64>,
+    caustics: Vec<Caustics>,
+    times: Vec<f64>,
+    /// Number of light paths for each sample of all pixels, and their time.
+    light: Option<(u32, f64)>,
+    /// Error that is of light samples at the hits that the camera sees, and the time of one more of these.
+    direct: Option<[f64; 2]>,
+}
+
+impl Model {
+    /// From the squares of so many ways with few light samples.
+    fn of(squares: &[Square], ways: usize, light: Option<(u32, f64)>) -> Self {
+        let rays = |way: usize| squares.iter().map(|square| square.costs[way].rays).sum::<u64>() as f64;
+        let few = rays(0).max(1.0);
+        let times = (0..ways).map(|way| 1.0 + TIME_OF_A_SHARED_RAY * (rays(way) / few - 1.0)).collect();
+        let light = light.map(|(count, rays)| (count, TIME_OF_A_LIGHT_RAY * rays / few));
+        let mut errors = vec![0.0; ways];
+        for square in squares {
+            let [first, second] = errors_of([&square.costs[0], &square.costs[ways - 1]]);
+            errors[ways - 1] += second;
+            if ways > 1 {
+                errors[0] += first;
+            }
+        }
+        let caustics: Vec<Caustics> = (0..ways)
+            .map(|way| {
+                squares.iter().filter_map(|square| square.caustics.get(way)).fold(Caustics::default(), |mut sum, of| {
+                    sum.add(of, 1.0);
+                    sum
+                })
+            })
+            .collect();
+        let rest = errors.iter().zip(&caustics).map(|(error, of)| (error - of.weighted).max(LEAST_REST * error));
+        let rest = rest.collect();
+        // Of squares that were rendered with more light samples too: errors with few and with more, and rays of paths by themselves, with
+        // few light samples and with more.
+        let mut sums = [0.0; 5];
+        for square in squares {
+            let (Some(few), Some(more)) = (square.costs.get(ways - 1), square.costs.get(ways)) else { continue };
+            let [rays, rays_of_few, rays_of_more] = [&square.costs[0], few, more].map(|cost| cost.rays as f64);
+            let [with_few, with_more] = errors_of([few, more]);
+            let of = [with_few, with_more, rays, rays_of_few, rays_of_more];
+            sums.iter_mut().zip(of).for_each(|(sum, of)| *sum += of);
+        }
+        let [with_few, with_more, alone, rays_of_few, rays_of_more] = sums;
+        let tried = f64::from(SAMPLES_TRIED);
+        let direct = (with_few > 0.0 && alone > 0.0).then(|| {
+            let share = (1.0 - with_more / with_few) * tried / (tried - 1.0);
+            let time = TIME_OF_A_LIGHT_SAMPLE * (rays_of_more - rays_of_few) / (alone * (tried - 1.0));
+            [share.clamp(0.0, 1.0) * errors[ways - 1], time]
+        });
+        Self { rest, caustics, times, light, direct }
+    }
+
+    /// What a way costs, error times time, with light paths at this place of [`TIMES_AS_MANY`] or without, and the number of light samples
+    /// at the first hit that makes it least.
+    fn cost(&self, way: usize, place: Option<usize>) -> (f64, u32) {
+        let (mut error, mut time) = (self.rest[way], self.times[way]);
+        match (place, self.light) {
+            (Some(place), Some((_, light))) => {
+                error += self.caustics[way].beside[place];
+                time += light * f64::from(TIMES_AS_MANY[place]);
+            }
+            _ => error += self.caustics[way].alone,
+        }
+        let with = |times: u32| {
+            let [direct, longer] = self.direct.unwrap_or_default();
+            let gone = direct * (1.0 - 1.0 / f64::from(times));
+            (error - gone).max(LEAST_REST * error) * (time + f64::from(times - 1) * longer)
+        };
+        let counted = |times: u32| (if times > 1 { DOUBT_OF_SAMPLES * with(times) } else { with(times) }, times);
+        let best = TIMES_AS_MANY_SAMPLES.map(counted).into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+        best.unwrap_or((with(1), 1))
+    }
+}
+
+/// The gain of other ways than the first, by the squares' costs in so many ways with few light samples. `light`: number of light paths for
+/// each sample of all pixels, and their number of rays for the samples of the squares.
+fn compare(squares: Vec<Square>, ways: usize, light: Option<(u32, f64)>) -> Found {
+    let rays = squares.iter().flat_map(|square| &square.costs).map(|cost| cost.rays).sum();
+    let model = Model::of(&squares, ways, light);
     // Black squares, and those without noise, gain nothing.
     let gain = |before: f64, after: f64| if before > 0.0 { before / after.max(f64::MIN_POSITIVE) } else { 0.0 };
-    let mut found = Found { sharing: 0.0, light: 0.0, count: 0, rays: rays.iter().sum() };
-    let Some((count, light_rays)) = light else {
-        if ways > 1 {
-            found.sharing = gain(errors[0], errors[1] * time(1));
-        }
-        return found;
+    let gain_of_second = |costs: &[(f64, u32)]| match costs {
+        [first, second, ..] => gain(first.0, second.0),
+        _ => 0.0,
     };
-    let caustics: Vec<Caustics> = (0..ways)
+    let plain: Vec<_> = (0..ways).map(|way| model.cost(way, None)).collect();
+    let sharing = gain_of_second(&plain);
+    let chosen = |sharing: f64| usize::from(sharing >= LEAST_GAIN);
+    let first_shadow_rays = plain[chosen(sharing)].1;
+    let without = Found { sharing, light: 0.0, count: 0, first_shadow_rays, rays };
+    let Some((count, _)) = light else { return without };
+    // For each way the least cost, with the number of light samples, and of how many light paths it is.
+    let lit: Vec<_> = (0..ways)
         .map(|way| {
-            squares.iter().filter_map(|square| square.caustics.get(way)).fold(Caustics::default(), |mut sum, of| {
-                sum.add(of, 1.0);
-                sum
-            })
+            let costs = (0..TIMES_AS_MANY.len()).map(|place| (model.cost(way, Some(place)), TIMES_AS_MANY[place]));
+            costs.min_by(|a, b| a.0.0.total_cmp(&b.0.0)).unwrap_or(((f64::INFINITY, 1), 1))
         })
         .collect();
-    let rest = |way: usize| (errors[way] - caustics[way].weighted).max(LEAST_REST * errors[way]);
-    let without = |way: usize| (rest(way) + caustics[way].alone) * time(way);
-    let with = |way: usize, place: usize| {
-        let slower = TIME_OF_A_LIGHT_RAY * f64::from(TIMES_AS_MANY[place]) * light_rays / few;
-        (rest(way) + caustics[way].beside[place]) * (time(way) + slower)
-    };
-    let second = if ways > 1 { gain(without(0), without(1)) } else { 0.0 };
-    let best = |way: usize| {
-        let costs =
-            (0..TIMES_AS_MANY.len()).map(|place| (with(way, place), count.saturating_mul(TIMES_AS_MANY[place])));
-        costs.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::INFINITY, count))
-    };
-    let lit = best(0);
-    let second_lit = if ways > 1 { gain(lit.0, best(1).0) } else { 0.0 };
-    let (cost, count) = if second_lit >= LEAST_GAIN { best(1) } else { lit };
-    found.light = gain(without(usize::from(second >= LEAST_GAIN)), cost);
-    found.count = count;
-    found.sharing = if found.traces_light() { second_lit } else { second };
-    found
+    let lit_sharing = gain_of_second(&lit.iter().map(|(cost, _)| *cost).collect::<Vec<_>>());
+    let ((cost, first_shadow_rays), times) = lit[chosen(lit_sharing)];
+    let gained = gain(plain[chosen(sharing)].0, cost);
+    let count = count.saturating_mul(times);
+    if gained < LEAST_LIGHT_GAIN {
+        return Found { light: gained, count, ..without };
+    }
+    Found { sharing: lit_sharing, light: gained, count, first_shadow_rays, rays }
 }
 
 #[cfg(test)]
@@ -397,11 +487,11 @@ mod tests {
 
     #[test]
     fn the_gain_is_that_of_errors_over_that_of_rays() {
-        let found = compare(squares(&[[[0.3, 0.01], [0.1, 0.01]]; 36], [100, 300]), None);
+        let found = compare(squares(&[[[0.3, 0.01], [0.1, 0.01]]; 36], [100, 300]), 2, None);
         assert!((found.sharing - 3.0 / 1.9).abs() < 1e-12, "{found:?}");
         assert_eq!(found.rays, 36 * 400);
         assert!(found.shares() && !found.traces_light());
-        assert!(!compare(squares(&[[[0.3, 0.01], [0.2, 0.01]]; 36], [100, 300]), None).shares());
+        assert!(!compare(squares(&[[[0.3, 0.01], [0.2, 0.01]]; 36], [100, 300]), 2, None).shares());
     }
 
     #[test]
@@ -409,21 +499,54 @@ mod tests {
         let mut errors = [[[0.3, 0.01], [0.1, 0.01]]; 36];
         errors[7][1] = [1e6, 9e5];
         errors[20][0] = [1e9, 9e8];
-        let found = compare(squares(&errors, [100, 100]), None);
-        assert!((found.sharing - 3.0).abs() < 1e-12, "{found:?}");
+        let found = compare(squares(&errors, [100, 100]), 2, None);
+        // One of 36 squares is four times as bad, another four times as good.
+        let expected = (35.0 * 0.3 + 4.0 * 0.1) / (35.0 * 0.1 + 4.0 * 0.3);
+        assert!((found.sharing - expected).abs() < 1e-12, "{found:?}");
         // Both ways have the same few noisy pixels, as at the edges of lamps.
         errors[7] = [[300.0, 200.0]; 2];
-        assert!(compare(squares(&errors, [100, 100]), None).sharing < 1.1);
+        assert!(compare(squares(&errors, [100, 100]), 2, None).sharing < 1.1);
     }
 
     #[test]
     fn squares_without_light_or_noise_share_nothing() {
-        let of = |errors, rays| compare(squares(&[errors; 36], rays), None).shares();
+        let of = |errors, rays| compare(squares(&[errors; 36], rays), 2, None).shares();
         assert!(!of([[0.0; 2]; 2], [100, 100]));
         assert!(!of([[0.0; 2]; 2], [0, 0]));
         assert!(of([[0.1, 0.0], [0.0; 2]], [100, 100]));
-        let dark = compare(squares(&[[[0.0; 2]; 2]; 36], [100, 100]), Some((10, 5.0)));
+        let dark = compare(squares(&[[[0.0; 2]; 2]; 36], [100, 100]), 2, Some((10, 5.0)));
         assert!(!dark.shares() && !dark.traces_light(), "{dark:?}");
+    }
+
+    #[test]
+    fn more_light_samples_are_taken_where_these_are_most_of_the_noise() {
+        // Ways by themselves and with shared hits, and the latter with four times as many light samples at the first hit.
+        let tried = |errors: [[f64; 2]; 2], [more, rays]: [f64; 2]| {
+            let mut squares = squares(&[errors; 36], [100, 300]);
+            let error = ErrorEstimate { value: more, standard_error: 1e-3 * more };
+            squares.iter_mut().step_by(2).for_each(|square| square.costs.push(Cost { error, rays: rays as u64 }));
+            compare(squares, 2, None)
+        };
+        // Of 0.1, 0.08 are of light samples: 0.1 (A + B / n) (T + n t) is least for 4 of 1, 2, 4 and 8.
+        let found = tried([[0.3, 0.01], [0.1, 0.001]], [0.04, 360.0]);
+        assert_eq!(found.first_shadow_rays, 4, "{found:?}");
+        let sample = TIME_OF_A_LIGHT_SAMPLE * 0.2;
+        assert!((found.sharing - 0.3 / (1.25 * 0.04 * (1.9 + 3.0 * sample))).abs() < 1e-9, "{found:?}");
+        assert_eq!(found.rays, 36 * 400 + 18 * 360);
+        // Not where they take much time, and not where they bring nothing.
+        assert_eq!(tried([[0.3, 0.01], [0.1, 0.001]], [0.04, 600.0]).first_shadow_rays, 1);
+        assert_eq!(tried([[0.3, 0.01], [0.1, 0.001]], [0.09, 360.0]).first_shadow_rays, 1);
+        assert_eq!(tried([[0.3, 0.01], [0.1, 0.001]], [0.2, 360.0]).first_shadow_rays, 1);
+        // Sharing takes the noise of what is not shared to account.
+        let apart = tried([[0.2, 0.001], [0.15, 0.001]], [0.0395, 360.0]);
+        assert!(apart.shares() && apart.first_shadow_rays == 8, "{apart:?}");
+        assert!(!compare(squares(&[[[0.2, 0.001], [0.15, 0.001]]; 36], [100, 300]), 2, None).shares());
+        // A square that met rare bright paths once does not decide.
+        let mut few = squares(&[[[0.3, 0.01], [0.1, 0.001]]; 36], [100, 300]);
+        let cost = |value, standard_error| Cost { error: ErrorEstimate { value, standard_error }, rays: 360 };
+        few.iter_mut().for_each(|square| square.costs.push(cost(0.04, 1e-3)));
+        few[3].costs[2] = cost(1e6, 9e5);
+        assert_eq!(compare(few, 2, None).first_shadow_rays, 4);
     }
 
     /// Squares in which light paths tell of caustics, in both ways.
@@ -442,20 +565,20 @@ mod tests {
         };
         let errors = [[0.1, 0.001], [0.08, 0.001]];
         // A few light rays beside 3600 of paths: as many of them as make their noise small.
-        let found = compare(with_caustics(errors, [caustics(0.9, 0.1); 2]), Some((10, 36.0)));
+        let found = compare(with_caustics(errors, [caustics(0.9, 0.1); 2]), 2, Some((10, 36.0)));
         assert!(found.traces_light() && !found.shares(), "{found:?}");
         let with = |times: f64, noise: f64| (0.1 + noise) * (1.0 + TIME_OF_A_LIGHT_RAY * times * 0.01);
         assert_eq!(found.count, 80);
         assert!((found.light - 1.0 / with(8.0, 0.0125)).abs() < 1e-9, "{found:?}");
         // Where they are little of it, they are not worth their time, and sharing is chosen as without.
         let errors = [[0.3, 0.001], [0.1, 0.001]];
-        let found = compare(with_caustics(errors, [caustics(0.01, 0.001); 2]), Some((10, 36.0)));
+        let found = compare(with_caustics(errors, [caustics(0.01, 0.001); 2]), 2, Some((10, 36.0)));
         assert!(!found.traces_light() && found.shares(), "{found:?}");
         // Both.
-        let found = compare(with_caustics(errors, [caustics(0.9, 0.1), caustics(0.6, 0.1)]), Some((10, 36.0)));
+        let found = compare(with_caustics(errors, [caustics(0.9, 0.1), caustics(0.6, 0.1)]), 2, Some((10, 36.0)));
         assert!(found.traces_light() && found.shares(), "{found:?}");
         // Light rays that take longer than all paths.
-        let found = compare(with_caustics(errors, [caustics(0.1, 0.01); 2]), Some((10, 36000.0)));
+        let found = compare(with_caustics(errors, [caustics(0.1, 0.01); 2]), 2, Some((10, 36000.0)));
         assert!(!found.traces_light(), "{found:?}");
     }
 

@@ -45,7 +45,7 @@ impl Render {
             },
             ..settings.desc
         };
-        let path = Path { max_depth: desc.max_depth, shadow_rays: desc.shadow_rays };
+        let path = Path::new(desc.max_depth, desc.shadow_rays);
         let settings = RenderSettings { desc, auxiliary: false, ..settings };
         Self::with_method(scene, settings, Some(Method::Irradiance(Irradiance::new(sites, path, front))))
     }
@@ -82,7 +82,7 @@ impl Render {
             },
             ..settings.desc
         };
-        let path = Path { max_depth: desc.max_depth, shadow_rays: desc.shadow_rays };
+        let path = Path::new(desc.max_depth, desc.shadow_rays);
         // Few points are no image whose pixels could be chosen among, and nobody asked for that.
         let adaptive = settings.adaptive.or(((probes.len() as u64) < MIN_PIXELS).then_some(false));
         let settings = RenderSettings { desc, adaptive, auxiliary: false, ..settings };

@@ -53,6 +53,9 @@ pub struct Summary {
     pub reuse: bool,
     /// Whether light paths were traced to the camera (see [`RenderDesc::light_paths`](crate::desc::RenderDesc::light_paths)).
     pub light_paths: bool,
+    /// Number of light samples at the hits that the camera sees, by path tracing (see
+    /// [`RenderDesc::first_shadow_rays`](crate::desc::RenderDesc::first_shadow_rays)).
+    pub first_shadow_rays: u32,
     /// Number of rays traced, including shadow rays.
     pub rays: u64,
     /// Estimated relMSE (see [`Film::rel_mse`](crate::film::Film::rel_mse)). It is `None` where there are too few samples for

@@ -1,5 +1,5 @@
-//! Ways to take the samples of a render that a pilot chooses among, where the settings leave it open: whether pixels share hits, and
-//! whether light paths find caustics.
+//! Ways to take the samples of a render that a pilot chooses among, where the settings leave it open: whether pixels share hits, whether
+//! light paths find caustics, and how many light samples the hits have that the camera sees.
 
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -9,17 +9,19 @@ use serde::{Deserialize, Serialize};
 use super::Render;
 use super::method::Method;
 use super::order::SQUARE;
-use super::pilot::{ACROSS, TIMES_LONGER};
+use super::pilot::{ACROSS, MOST_TIMES, TIMES_LONGER};
 use super::report::{Ended, Progress};
 use super::schedule::Schedule;
 use super::settings::RenderSettings;
 use super::worker_pool::WorkerPool;
-use crate::desc::IntegratorDesc;
+use crate::desc::{IntegratorDesc, MAX_SHADOW_RAYS};
 use crate::error::{ErrorKind, Result};
 use crate::integrator::Path;
 use crate::integrator::light_tracing::{LightPaths, LightPictures};
 use crate::integrator::reuse::PathReuse;
-use crate::integrator::{check_light_paths, check_reuse, no_light_paths, no_reuse};
+use crate::integrator::{
+    check_first_shadow_rays, check_light_paths, check_reuse, no_first_shadow_rays, no_light_paths, no_reuse,
+};
 use crate::scene::Scene;
 
 /// Number of samples per pixel of a pilot: two for each replicate.
@@ -46,6 +48,8 @@ pub(super) struct Wanted {
     pub reuse: Decision,
     /// Whether light paths are traced to the camera.
     pub light_paths: Decision,
+    /// Number of light samples at the hits that the camera sees; `None` where a pilot is to say.
+    pub first_shadow_rays: Option<u32>,
     /// Number of squares of a pilot in a row and in a column.
     pub across: u32,
 }
@@ -57,6 +61,8 @@ pub(super) struct Ways {
     pub reuse: Option<bool>,
     /// Number of light paths for each sample of all of them.
     pub light_paths: Option<u32>,
+    /// Number of light samples at the hits that the camera sees.
+    pub first_shadow_rays: Option<u32>,
 }
 
 impl Wanted {
@@ -103,7 +109,19 @@ impl Wanted {
             }
             Ok(())
         })?;
-        Ok(Self { reuse, light_paths, across: squares.unwrap_or(ACROSS[0]) })
+        let own = desc.shadow_rays;
+        let takes_more = place.is_none() && integrator == IntegratorDesc::Path && own <= MAX_SHADOW_RAYS / MOST_TIMES;
+        let first_shadow_rays = match desc.first_shadow_rays {
+            Some(count) => {
+                match place {
+                    Some(place) => no_first_shadow_rays(place)?,
+                    None => check_first_shadow_rays(desc.integrator)?,
+                }
+                Some(count)
+            }
+            None => (squares.is_none() || adaptive || !takes_more).then_some(own),
+        };
+        Ok(Self { reuse, light_paths, first_shadow_rays, across: squares.unwrap_or(ACROSS[0]) })
     }
 
     /// Whether one of them was asked for, so that all pixels have the same number of samples.
@@ -135,6 +153,8 @@ pub(super) struct Undecided {
     pub sharing: Option<PathReuse>,
     /// Light paths, where it is open whether they are traced.
     pub light: Option<LightPaths>,
+    /// Whether it is open how many light samples the hits have that the camera sees.
+    pub first_shadow_rays: bool,
     /// Number of squares in a row and in a column.
     pub across: u32,
 }
@@ -144,14 +164,20 @@ impl Undecided {
     pub fn new(wanted: &Wanted, sharing: impl FnOnce() -> PathReuse, light: Option<&LightPaths>) -> Option<Self> {
         let sharing = (wanted.reuse == Decision::ByPilot).then(sharing);
         let light = light.filter(|_| wanted.light_paths == Decision::ByPilot).cloned();
-        (sharing.is_some() || light.is_some()).then_some(Self { sharing, light, across: wanted.across })
+        let first_shadow_rays = wanted.first_shadow_rays.is_none();
+        Self { sharing, light, first_shadow_rays, across: wanted.across }.unless_empty()
     }
 
     /// What is still open once some of it is known; `None` where nothing is.
     fn without(mut self, known: Ways) -> Option<Self> {
         self.sharing = self.sharing.filter(|_| known.reuse.is_none());
         self.light = self.light.filter(|_| known.light_paths.is_none());
-        (self.sharing.is_some() || self.light.is_some()).then_some(self)
+        self.first_shadow_rays &= known.first_shadow_rays.is_none();
+        self.unless_empty()
+    }
+
+    fn unless_empty(self) -> Option<Self> {
+        (self.sharing.is_some() || self.light.is_some() || self.first_shadow_rays).then_some(self)
     }
 }
 
@@ -162,7 +188,8 @@ impl Render {
         let reuse = open.is_none_or(|open| open.sharing.is_none()).then_some(matches!(self.method, Method::Reuse(_)));
         let count = self.light_paths.as_ref().map_or(0, LightPaths::count);
         let light_paths = open.is_none_or(|open| open.light.is_none()).then_some(count);
-        Ways { reuse, light_paths }
+        let first_shadow_rays = open.is_none_or(|open| !open.first_shadow_rays).then_some(self.first_shadow_rays);
+        Ways { reuse, light_paths, first_shadow_rays }
     }
 
     /// Takes what a pilot has said, if it has, so that it is not asked again.
@@ -171,7 +198,7 @@ impl Render {
         if let Some(reuse) = ways.reuse
             && own.reuse != ways.reuse
         {
-            let path = Path { max_depth: self.desc.max_depth, shadow_rays: self.desc.shadow_rays };
+            let path = Path::new(self.desc.max_depth, self.desc.shadow_rays);
             self.method = if reuse { Method::Reuse(PathReuse::new(&self.scene, path)) } else { Method::Path };
         }
         if let Some(count) = ways.light_paths
@@ -182,6 +209,7 @@ impl Render {
                 _ => LightPaths::new(&self.scene, &self.camera, self.desc.resolution).map(|it| it.with_count(count)),
             };
         }
+        self.first_shadow_rays = ways.first_shadow_rays.unwrap_or(self.first_shadow_rays);
         self.undecided = self.undecided.take().and_then(|open| open.without(ways));
     }
 

@@ -184,7 +184,7 @@ fn a_path_sees_one_moment() {
         let ray = camera.ray((pixel % SIDE) as f32 + 0.5, (pixel / SIDE) as f32 + 0.5).at_time(time);
         integrator.radiance(scene, ray, &mut sampler, &mut tracer, &mut |_| {})
     }
-    let (path, whitted) = (Path { max_depth: None, shadow_rays: 1 }, Whitted { max_depth: None, shadow_rays: 1 });
+    let (path, whitted) = (Path::new(None, 1), Whitted { max_depth: None, shadow_rays: 1 });
     let (mut same, mut of_other_moment, mut count) = (0, 0, 0);
     for time in [0.0, 0.3, 0.5, 0.9, 1.0] {
         let still = scene.in_motion(|surface| frozen(surface, time));

@@ -269,7 +269,7 @@ fn shadows_of_sheets_have_their_opacity() {
     // The floor is seen from below the veil, so only its light passes the veil.
     let mean = |scene: &Scene| {
         let (mut sampler, mut tracer) = (SobolSampler::new(4, u32::MAX), SceneTracer::new(scene));
-        let path = Path { max_depth: None, shadow_rays: 1 };
+        let path = Path::new(None, 1);
         let (mut sum, count) = (0.0, 1 << 15);
         for sample in 0..count {
             sampler.start(sample % 256, sample / 256);

@@ -386,6 +386,8 @@ static void structures(void) {
     FIELD(etd_render_options, checkpoint_file);
     FIELD(etd_render_options, checkpoint_seconds);
     FIELD(etd_render_options, resume);
+    FIELD(etd_render_options, first_shadow_rays);
+    FIELD(etd_render_options, reserved);
     STRUCT(etd_camera);
     FIELD(etd_camera, struct_size);
     FIELD(etd_camera, projection);

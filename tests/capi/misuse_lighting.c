@@ -102,6 +102,10 @@ void misuse_lighting(void) {
     CHECK_STATUS(etd_scene_measure(lamp, ETD_QUANTITY_ILLUMINANCE, good, 2, &options, values, NULL, &summary), ETD_UNSUPPORTED);
     CHECK(strstr(etd_last_error_message(), "integrator.lightPaths is true, and light at given points") != NULL);
     options.light_paths = ETD_SWITCH_DEFAULT;
+    options.first_shadow_rays = 2;
+    CHECK_STATUS(etd_scene_measure(lamp, ETD_QUANTITY_ILLUMINANCE, good, 2, &options, values, NULL, &summary), ETD_UNSUPPORTED);
+    CHECK(strstr(etd_last_error_message(), "integrator.firstShadowRays is given, and light at given points") != NULL);
+    options.first_shadow_rays = 0;
     CHECK_OK(etd_scene_set_environment(lamp, grey));
     CHECK_OK(etd_scene_exterior_illuminance(lamp, &value, NULL));
     CHECK(fabs(value / (683.0 * 3.14159265358979 * 0.5) - 1) < 1e-3);

@@ -240,6 +240,34 @@ static void pass_light_paths(void) {
     CHECK(strstr(etd_last_error_message(), "integrator.lightPaths is true, and the filter mitchell") != NULL);
 }
 
+/* Light samples at what the camera sees: a number out of range is named, and what has none of its own refuses it. */
+static void pass_first_shadow_rays(void) {
+    static const char text[] = "{\"etendue\": 1, " JSON_CAMERA ", \"render\": {\"integrator\": {\"type\": \"path\", \"firstShadowRays\": 7}}}";
+    etd_scene *read = NULL;
+    etd_render_options options = short_render(1), own = ETD_RENDER_OPTIONS_INIT;
+    etd_integrator integrator;
+    CHECK(own.first_shadow_rays == 0);
+    CHECK_OK(etd_scene_from_json(device, text, sizeof text - 1, NULL, &read));
+    CHECK_OK(etd_scene_get_render_options(read, &own));
+    CHECK(own.first_shadow_rays == 7);
+    etd_scene_release(read);
+    options.first_shadow_rays = 4;
+    CHECK_OK(etd_render(scene, film, &options));
+    for (integrator = ETD_INTEGRATOR_WHITTED; integrator <= ETD_INTEGRATOR_RADIOSITY; ++integrator) {
+        options.integrator = integrator;
+        CHECK_STATUS(etd_render(scene, film, &options), ETD_UNSUPPORTED);
+        CHECK(strstr(etd_last_error_message(), "integrator.firstShadowRays is given, and ") != NULL);
+    }
+    options.integrator = ETD_INTEGRATOR_PATH;
+    options.first_shadow_rays = 1025;
+    CHECK_STATUS(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT);
+    CHECK(strstr(etd_last_error_message(), "options.first_shadow_rays: 1025 is out of range") != NULL);
+    options.first_shadow_rays = 0;
+    options.reserved = 1;
+    CHECK_STATUS(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT);
+    CHECK(strstr(etd_last_error_message(), "options.reserved is not 0") != NULL);
+}
+
 /* No numbers, and numbers out of range. */
 static void pass_other_numbers(void) {
     static const struct {
@@ -376,6 +404,7 @@ void misuse_photons(void) {
     pass_other_numbers();
     pass_shared_hits();
     pass_light_paths();
+    pass_first_shadow_rays();
     read_settings_of_a_scene();
     pass_parts_of_pictures();
     pass_options_of_the_first_version();

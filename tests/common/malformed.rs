@@ -586,6 +586,11 @@ fn renders(l: &mut List) {
             "\"integrator\": {\"type\": \"path\",\n@\"lightPaths\": \"on\"}",
             "integrator.lightPaths: invalid type: string \"on\", expected a boolean",
         ),
+        (
+            "no light samples first",
+            "\"integrator\": {\"type\": \"path\",\n@\"firstShadowRays\": 0}",
+            "integrator.firstShadowRays: 0 is out of range, expected a whole number from 1 to 1024",
+        ),
         ("reuse beside the integrator", "\"integrator\": \"path\",\n@\"reuse\": true", "reuse: unknown key"),
         ("seed negative", "@\"seed\": -1", "seed: invalid value: integer `-1`"),
         (

@@ -676,6 +676,7 @@ pub fn settings() -> Vec<RenderDesc> {
         white_balance: Some([1.0 / 3.0, 0.3]),
         max_depth: Some(u32::MAX),
         shadow_rays: 3,
+        first_shadow_rays: Some(5),
         roulette: RouletteDesc::File,
         photons: PhotonDesc {
             count: Some(12_345),

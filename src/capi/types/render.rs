@@ -318,6 +318,13 @@ pub struct etd_render_options {
     /// otherwise; these may differ: `samples` with the samplers Sobol and random, `time_limit`, `target_error`, `checkpoint_file`, and what
     /// options leave to their default. The film is reserved until the render has taken over its state or its task is released, and stays as it is.
     pub resume: *const etd_film,
+
+    /// Light samples, from 1 to 1024, at the hits that the camera sees itself or by way of perfectly specular surfaces alone, by
+    /// `ETD_INTEGRATOR_PATH` alone; refused with others, for light maps and light at given points. 0: as many as at other hits, or up to
+    /// eight times as many where a pilot of a long render says that it pays.
+    pub first_shadow_rays: u32,
+    /// Must be 0.
+    pub reserved: u32,
 }
 
 /// A phase of work.

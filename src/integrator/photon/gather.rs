@@ -252,7 +252,7 @@ impl<C: Spectrum> Gather<C> {
             path.walk.pass_media(context.scene, &path.ray, hit.as_ref(), path.media, &context.wavelengths);
             let Some(hit) = hit else {
                 if sees_lights {
-                    path.walk.escape(context.scene, &path.ray, &limits, &context.wavelengths);
+                    path.walk.escape(context.scene, &path.ray, &context.wavelengths);
                 }
                 return path.walk.radiance;
             };
@@ -266,7 +266,7 @@ impl<C: Spectrum> Gather<C> {
             }
             // Emission of the surface itself.
             if sees_lights {
-                let emitted = vertex.emitted(context.scene, path.walk.previous, self.shadow_rays);
+                let emitted = vertex.emitted(context.scene, path.walk.previous);
                 path.walk.radiance += path.walk.throughput * emitted;
             }
             if path.walk.depth > self.max_depth || vertex.lobes.is_empty() {
@@ -358,7 +358,7 @@ impl<C: Spectrum> Gather<C> {
             branch.walk.pass_media(context.scene, &branch.ray, hit.as_ref(), branch.media, &context.wavelengths);
             let Some(hit) = hit else {
                 if way > 0 {
-                    branch.walk.escape(context.scene, &branch.ray, &limits, &context.wavelengths);
+                    branch.walk.escape(context.scene, &branch.ray, &context.wavelengths);
                 }
                 break;
             };
@@ -366,7 +366,7 @@ impl<C: Spectrum> Gather<C> {
             let mut slot = None;
             let vertex = Vertex::new(context.scene, &branch.ray, &hit, context.wavelengths, branch.media, &mut slot);
             if way > 0 {
-                let emitted = vertex.emitted(context.scene, None, 1);
+                let emitted = vertex.emitted(context.scene, None);
                 branch.walk.radiance += branch.walk.throughput * emitted;
             }
             if branch.walk.depth > self.max_depth || !vertex.lobes.have_specular() {

@@ -65,14 +65,14 @@ impl RadiosityPicture {
         let Some(bounce) = vertex.sample_bounce(context.sampler.next_4d()) else { return radiance };
         // The solution knows nothing of delta lobes beside the diffuse one: their light is left out here as well.
         let Some(pdf) = bounce.pdf else { return radiance };
-        let previous = Some((vertex.receiver(), pdf));
+        let previous = Some((vertex.receiver(), pdf / self.shadow_rays as f32));
         let Some(hit) = context.tracer.intersect(&bounce.ray) else {
-            let sky: Rgb = escaped(scene, &bounce.ray, previous, self.shadow_rays, false, &());
+            let sky: Rgb = escaped(scene, &bounce.ray, previous, false, &());
             return radiance + bounce.weight * sky;
         };
         let mut slot = None;
         let next = Vertex::<Rgb>::new(scene, &bounce.ray, &hit, (), None, &mut slot);
-        let seen = next.emitted(scene, previous, self.shadow_rays) + self.reflected(scene, &bounce.ray, &hit, &next);
+        let seen = next.emitted(scene, previous) + self.reflected(scene, &bounce.ray, &hit, &next);
         radiance + bounce.weight * seen
     }
 }
@@ -87,11 +87,11 @@ impl Transport<Rgb> for RadiosityPicture {
         first: &mut impl FnMut(FirstHit),
     ) -> Rgb {
         let scene = context.scene;
-        let Some(hit) = context.tracer.intersect(&ray) else { return escaped(scene, &ray, None, 1, true, &()) };
+        let Some(hit) = context.tracer.intersect(&ray) else { return escaped(scene, &ray, None, true, &()) };
         let mut slot = None;
         let vertex = Vertex::new(scene, &ray, &hit, (), None, &mut slot);
         first(vertex.first_hit(scene));
-        let radiance: Rgb = vertex.emitted(scene, None, 1);
+        let radiance: Rgb = vertex.emitted(scene, None);
         if !self.final_gather {
             return radiance + self.reflected(scene, &ray, &hit, &vertex);
         }

@@ -4,7 +4,6 @@ use super::connect::Connections;
 use super::kept::KeptVertex;
 use super::paths::{Arrival, At, First, Paths, Second};
 use crate::bsdf::Model;
-use crate::desc::MAX_SHADOW_RAYS;
 use crate::integrator::aim::Aims;
 use crate::integrator::tracer::Tracer;
 use crate::integrator::vertex::Vertex;
@@ -132,7 +131,7 @@ impl<C: Spectrum> Groups<C> {
         samples.iter_mut().for_each(|sample| sample.first = None);
         self.hits.resize(most.max(self.hits.len()), None);
         // The most that the vertices can send is reserved here, so that no later wave allocates.
-        let most_shadows = most * limits.shadow_rays.min(MAX_SHADOW_RAYS) as usize;
+        let most_shadows = most * limits.most_shadow_rays();
         self.shadows.clear();
         self.shadows.reserve(most_shadows);
         self.arrivals.clear();
@@ -172,7 +171,7 @@ impl<C: Spectrum> Groups<C> {
                     // What the first vertex sees without mirrors is found by other samples.
                     Stage::Aimed => {}
                     Stage::ToThird => paths.take_infinite(scene, path, &rays[i], walk, limits, wavelengths),
-                    _ => walk.escape(scene, &rays[i], limits, wavelengths),
+                    _ => walk.escape(scene, &rays[i], wavelengths),
                 }
                 continue;
             };

@@ -64,6 +64,12 @@ impl PathReuse {
         &self.aims
     }
 
+    /// The same with so many light samples at the hits that the camera sees.
+    #[must_use]
+    pub fn with_first_shadow_rays(self, first_shadow_rays: u32) -> Self {
+        Self { path: Path { first_shadow_rays, ..self.path }, ..self }
+    }
+
     /// The same beside light paths, if there are any.
     #[must_use]
     pub fn beside(self, light_paths: Option<LightPaths>) -> Self {

@@ -170,7 +170,7 @@ impl<C: Spectrum> Paths<C> {
     ) {
         let Some(second) = &self.seconds[path] else { return };
         if second.vertex.constant_f().is_some() {
-            walk.escape(scene, ray, limits, wavelengths);
+            walk.escape(scene, ray, wavelengths);
             return self.take_emission(path, walk, |_| 0.0);
         }
         let (emitters, samples) = (scene.emitters(), limits.shadow_rays as f32);

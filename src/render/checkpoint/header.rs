@@ -6,7 +6,7 @@ use serde_json::Value;
 use super::super::share::{MAX_SHARES, Share};
 use super::super::ways::Ways;
 use super::damaged;
-use crate::desc::{MAX_PIXELS, RenderDesc, SamplerDesc, elided};
+use crate::desc::{MAX_PIXELS, MAX_SHADOW_RAYS, RenderDesc, SamplerDesc, elided};
 use crate::embree::instruction_set;
 use crate::error::{Error, ErrorKind, Result};
 use crate::film::{ErrorMeasure, FilmOptions, Placement};
@@ -35,6 +35,8 @@ pub(in super::super) struct Header {
     pub reuse: Option<bool>,
     /// Number of light paths for each sample of all pixels; `None` as long as a pilot is to say.
     pub light_paths: Option<u32>,
+    /// Number of light samples at the hits that the camera sees; `None` as long as a pilot is to say.
+    pub first_shadow_rays: Option<u32>,
     /// Number of complete samples per pixel.
     pub samples: u32,
     /// Number of samples per pixel at which the next decision is made.
@@ -168,7 +170,8 @@ impl Header {
         let has_part = self.share.is_none_or(|[number, count]| Share::new(number, count).is_ok());
         // A file is not to ask for more work than a pilot does.
         let has_paths = self.light_paths.is_none_or(|count| u64::from(count) <= pixels(picture).max(8));
-        if !(is_possible && has_aspect && share > 0 && has_stage && has_part && has_paths) {
+        let has_samples = self.first_shadow_rays.is_none_or(|count| (1..=MAX_SHADOW_RAYS).contains(&count));
+        if !(is_possible && has_aspect && share > 0 && has_stage && has_part && has_paths && has_samples) {
             return Err(damaged(&format!("its header is of no render: {:?}, {MAX_SHARES} parts at most", self.film)));
         }
         let placement = (!is_picture).then_some(Placement { origin, picture, pixel_aspect });
@@ -177,7 +180,7 @@ impl Header {
 
     /// What pixels have in common.
     pub fn ways(&self) -> Ways {
-        Ways { reuse: self.reuse, light_paths: self.light_paths }
+        Ways { reuse: self.reuse, light_paths: self.light_paths, first_shadow_rays: self.first_shadow_rays }
     }
 
     /// The part of the picture.
@@ -230,6 +233,11 @@ impl Header {
             let say = |count| if count == 0 { "without" } else { "with" };
             return refuse(say(there), &"light paths", &format!("is {} them", say(here)));
         }
+        if let (Some(here), Some(there)) = (self.first_shadow_rays, there.first_shadow_rays)
+            && here != there
+        {
+            return refuse("with `firstShadowRays`", &there, &format!("has {here}"));
+        }
         if self.film != there.film {
             let message = "the checkpoint keeps other layers, or another part of the picture, than this render";
             return Err(Error::new(ErrorKind::Unsupported, message));
@@ -264,9 +272,10 @@ impl Header {
 }
 
 /// The settings as a scene file has them, without those that may change from one part of a render to the next: whether pixels share
-/// hits, which has a place of its own, and the number of samples where no pattern is planned for it.
+/// hits and the like, which have places of their own, and the number of samples where no pattern is planned for it.
 pub(super) fn settings(desc: &RenderDesc) -> Result<Value> {
-    let mut block = RenderDesc { reuse: None, light_paths: None, ..desc.clone() }.to_value()?;
+    let open = RenderDesc { reuse: None, light_paths: None, first_shadow_rays: None, ..desc.clone() };
+    let mut block = open.to_value()?;
     if let (SamplerDesc::Sobol | SamplerDesc::Random, Some(block)) = (desc.sampler, block.as_object_mut()) {
         block.remove("samples");
     }

@@ -75,6 +75,7 @@ pub(super) fn begin(
         adaptive: is_adaptive.then(|| settings.error_measure.into()),
         reuse: None,
         light_paths: None,
+        first_shadow_rays: None,
         samples: 0,
         decision: 0,
         stage: None,
@@ -220,7 +221,8 @@ impl Checkpoint {
             if whole.ways() != header.ways() {
                 let is_open = [whole.light_paths, header.light_paths].contains(&None);
                 let is_open = is_open || [whole.reuse, header.reuse].contains(&None);
-                let what = "the shares were rendered with different numbers of light paths";
+                let is_open = is_open || [whole.first_shadow_rays, header.first_shadow_rays].contains(&None);
+                let what = "the shares were rendered with different numbers of light paths or light samples";
                 let what = if is_open { "some shares have no samples, others have" } else { what };
                 return invalid(what.to_owned());
             }

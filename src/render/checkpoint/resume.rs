@@ -6,6 +6,7 @@ use super::super::schedule::Schedule;
 use super::super::ways::Ways;
 use super::super::{Maps, Render, RenderSettings};
 use super::{Checkpoint, Header};
+use crate::desc::RenderDesc;
 use crate::error::{Error, ErrorKind, Result};
 use crate::film::Film;
 use crate::integrator::check_light_paths;
@@ -16,8 +17,8 @@ impl Render {
     /// bit.
     ///
     /// Scene and settings must be those of the checkpoint. These may differ: the number of samples with the samplers `Sobol` and
-    /// `Random`, the time limit, the target error, threads, and the plan of further checkpoints. `adaptive`, `reuse`, `light_paths`, `share` and
-    /// the layers of first hits are those of the checkpoint where the settings leave them open. With more samples than the render was
+    /// `Random`, the time limit, the target error, threads, and the plan of further checkpoints. `adaptive`, `reuse`, `light_paths`,
+    /// `first_shadow_rays`, `share` and the layers of first hits are those of the checkpoint where the settings leave them open. With more samples than the render was
     /// begun with, an adaptive render chooses among pixels at other numbers of samples than one that was begun with as many.
     ///
     /// [`Summary::rays`](crate::render::Summary::rays) counts those of this render alone, as its time does.
@@ -32,7 +33,8 @@ impl Render {
         let mut render = Self::new(scene, RenderSettings { adaptive, share, auxiliary, ..settings })?;
         // Of light paths that were asked for, there are none in a scene without what they would meet.
         let light_paths = render.desc.light_paths.and(render.ways().light_paths);
-        Header { reuse: render.desc.reuse, light_paths, ..render.header.clone() }.check(&header)?;
+        let RenderDesc { reuse, first_shadow_rays, .. } = *render.desc;
+        Header { reuse, light_paths, first_shadow_rays, ..render.header.clone() }.check(&header)?;
         if header.light_paths.is_some_and(|count| count > 0) {
             check_light_paths(scene, render.integrator(), &render.desc)?;
         }
@@ -64,10 +66,11 @@ impl Render {
     }
 
     pub(in super::super) fn state(&self) -> Checkpoint {
-        let Ways { reuse, light_paths } = self.ways();
+        let Ways { reuse, light_paths, first_shadow_rays } = self.ways();
         let header = Header {
             reuse,
             light_paths,
+            first_shadow_rays,
             samples: self.samples,
             decision: self.decision,
             stage: self.stage.as_ref().map(|stage| stage.span()),

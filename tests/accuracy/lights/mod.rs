@@ -179,12 +179,12 @@ fn quad(corners: [[f64; 3]; 4]) -> ShapeDesc {
 }
 
 /// A horizontal rectangle that shines down.
-fn ceiling(x: [f64; 2], y: [f64; 2], z: f64) -> ShapeDesc {
+pub fn ceiling(x: [f64; 2], y: [f64; 2], z: f64) -> ShapeDesc {
     quad([[x[0], y[0], z], [x[0], y[1], z], [x[1], y[1], z], [x[1], y[0], z]])
 }
 
 /// A white receiver around the origin with normal z, seen from `eye` above it, and shapes that shine with radiance 1.
-fn lit(eye: f64, size: f64, lights: Vec<ShapeDesc>) -> SceneDesc {
+pub fn lit(eye: f64, size: f64, lights: Vec<ShapeDesc>) -> SceneDesc {
     let receiver = quad([[-size, -size, 0.0], [size, -size, 0.0], [size, size, 0.0], [-size, size, 0.0]]);
     let mut surfaces = vec![(receiver, WHITE, None)];
     surfaces.extend(lights.into_iter().map(|light| (light, BsdfDesc::Black, Some(Rgb::ONE))));

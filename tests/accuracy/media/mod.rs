@@ -343,7 +343,7 @@ fn irradiance(case: &mut Case) {
     // The middle of the diagonal.
     let middle = [[0.0, 0.5], [0.001, 0.499], [0.0, 0.499]];
     let sites = Sites::new(vec![facet], vec![Piece { facet: 0, corners: middle, until: 1.0 }], vec![0, 1]);
-    let irradiance = Irradiance::new(Arc::new(sites), Path { max_depth: None, shadow_rays: 1 }, true);
+    let irradiance = Irradiance::new(Arc::new(sites), Path::new(None, 1), true);
     let mut tracer = SceneTracer::new(&scene);
     let count = case.count(1 << 16, 1 << 20) as u32;
     let mut values = [(); 3].map(|()| Vec::new());

@@ -1,4 +1,4 @@
-//! Second hits that neighbouring pixels share: what is known in closed form, and what paths by themselves find.
+//! Second hits that neighbouring pixels share, and more light samples at their first hits: what is known in closed form, and what paths by themselves find.
 //!
 //! Errors of pixels depend on each other here, so that those of means come from renders of several seeds.
 
@@ -10,8 +10,9 @@ use etendue::scene::{BuildOptions, Scene};
 use etendue::spectrum::Rgb;
 
 use crate::arithmetic::repeat::load;
-use crate::common::scenes::{box_inside, camera, point_light, render_scene, scene};
+use crate::common::scenes::{box_inside, camera, mean_and_error as pixels, point_light, render_scene, scene};
 use crate::common::stats::mean_and_error;
+use crate::lights::{ceiling, lit};
 use crate::record::{Case, Entry, Within};
 use crate::transport::rooms::{FLOOR_IRRADIANCE, floor_and_ceiling, sphere_with_light};
 use crate::transport::{MESH, ball, grey, mirror, parallelogram, pick};
@@ -22,6 +23,7 @@ pub fn cases() -> Vec<Entry> {
         Entry { id: "U2", title: "shared hits in furnaces", run: furnaces },
         Entry { id: "U3", title: "shared hits against paths by themselves", run: against_paths },
         Entry { id: "U4", title: "lamps in mirrors, by aimed rays", run: lamps_in_mirrors },
+        Entry { id: "U5", title: "more light samples at the first hit", run: first_light_samples },
     ]
 }
 
@@ -206,4 +208,38 @@ fn against_paths(case: &mut Case) {
     let expected = measure(&scene, &alone, seeds, 1000);
     let found = measure(&scene, &desc, seeds, 1);
     case.equal_means("a lamp in a corner", found, expected, pick(case, 1.5e-2, 4e-3));
+}
+
+/// Weights have to know how many light samples there were where a path comes from.
+fn first_light_samples(case: &mut Case) {
+    let (samples, tolerance) = (case.count(1024, 8192) as u32, pick(case, 1e-3, 3e-4));
+    for (what, lamp, exact) in [
+        ("a large lamp", ceiling([-1.0, 1.0], [-1.0, 1.0], 1.0), 0.554126423980),
+        ("a near lamp", ceiling([-5.0, 5.0], [-5.0, 5.0], 1e-2), 1.0 - 3.27323933e-6),
+    ] {
+        let scene = build(&lit(if what == "a near lamp" { 5e-3 } else { 0.5 }, 1e-3, vec![lamp]));
+        for (first, shadow_rays) in [(4, 1), (1, 4), (3, 2)] {
+            let first_shadow_rays = Some(first);
+            let resolution = [8, 8];
+            let desc =
+                RenderDesc { resolution, samples, shadow_rays, first_shadow_rays, seed: 49, ..RenderDesc::default() };
+            let found = pixels(&render_scene(&scene, desc).0);
+            case.mean(format!("{what}, {first} first, then {shadow_rays}"), found, exact, tolerance);
+        }
+    }
+    let (seeds, samples) = (case.count(8, 16), case.count(64, 512));
+    for (name, quick, full) in
+        [("room.json", 8e-3, 2e-3), ("mirrors-and-glass.json", 2e-2, 5e-3), ("smooth-mesh.json", 5e-3, 1.3e-3)]
+    {
+        let scene = build(&load(name));
+        let desc = RenderDesc { resolution: [32, 32], ..settings(samples) };
+        let alone = RenderDesc { reuse: Some(false), samples: 2 * desc.samples, ..desc.clone() };
+        let expected = measure(&scene, &alone, seeds, 1000);
+        for reuse in [false, true] {
+            let desc = RenderDesc { reuse: Some(reuse), first_shadow_rays: Some(4), ..desc.clone() };
+            let found = measure(&scene, &desc, seeds, 2000);
+            let what = format!("{name}, 4 first{}", if reuse { ", shared hits" } else { "" });
+            case.equal_means(what, found, expected, pick(case, quick, full));
+        }
+    }
 }

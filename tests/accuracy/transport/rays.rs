@@ -6,7 +6,7 @@ use etendue::sampling::{Rng, Sampler, warps};
 use etendue::scene::{Hit, Scene};
 
 /// A path tracer without a limit.
-pub const PATH: Path = Path { max_depth: None, shadow_rays: 1 };
+pub const PATH: Path = Path::new(None, 1);
 
 /// At a smooth interface: refraction wherever there is any.
 pub const REFRACT: f32 = 1.0 - f32::EPSILON;
