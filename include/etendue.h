@@ -91,6 +91,7 @@
 #define ETD_ATLAS_OPTIONS_INIT {sizeof(etd_atlas_options), 0, 0, 0, 0, ETD_ATLAS_LAYOUT_AUTO, 0, 0, NULL, NULL}
 #define ETD_ATLAS_INFO_INIT {sizeof(etd_atlas_info), 0, 0, 0, 0, 0, 0, 0, 0}
 #define ETD_BAKE_TARGET_INIT {sizeof(etd_bake_target), NULL, NULL, 0, 0, 0, ETD_SIDE_FRONT, 0}
+#define ETD_DEVICE_INFO_INIT {sizeof(etd_device_info), 0, 0, 0, 0, NULL, 0}
 #define ETD_SCENE_INFO_INIT {sizeof(etd_scene_info), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, {0, 0, 0}, {0, 0, 0}, 0, 0, 0}
 
 
@@ -1757,6 +1758,41 @@ typedef struct etd_device_options {
      */
     void *user_data;
 } etd_device_options;
+
+/**
+ * What a device is.
+ */
+typedef struct etd_device_info {
+    /**
+     * `sizeof(etd_device_info)`.
+     */
+    size_t struct_size;
+    /**
+     * Number of threads that render, including the calling thread where that takes a part.
+     */
+    uint32_t threads;
+    /**
+     * Number of threads that build hierarchies.
+     */
+    uint32_t build_threads;
+    /**
+     * Version of the Embree library that runs, as 10000 * major + 100 * minor + patch.
+     */
+    uint32_t embree_version;
+    /**
+     * 0.
+     */
+    uint32_t reserved;
+    /**
+     * The largest instruction set of the processor among those that Embree and the library choose between: "AVX-512", "AVX2", "AVX",
+     * "SSE4.2" or "SSE2" on x86-64. The string is static.
+     */
+    const char *instruction_set;
+    /**
+     * The memory limit of the device in bytes; 0: none.
+     */
+    uint64_t memory_limit;
+} etd_device_info;
 
 /**
  * The progress of work.
@@ -3689,6 +3725,12 @@ etd_status etd_device_status(struct etd_device *device,
 etd_status etd_device_memory(const struct etd_device *device,
                              uint64_t *out_used,
                              uint64_t *out_peak);
+
+/**
+ * Returns what a device is: its threads, and what it runs on. Errors: `ETD_DEVICE` if Embree does not start. Thread-safe.
+ */
+etd_status etd_device_get_info(const struct etd_device *device,
+                               struct etd_device_info *out_info);
 
 /**
  * Makes an empty scene with the default camera, which calls then describe.

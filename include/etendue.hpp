@@ -691,6 +691,12 @@ public:
         const etd_status status = etd_device_memory(get(), &memory.used, &memory.peak);
         return detail::give(status, std::move(memory));
     }
+    /** Its threads, and what it runs on. */
+    Outcome<etd_device_info> info() const {
+        etd_device_info info = ETD_DEVICE_INFO_INIT;
+        const etd_status status = etd_device_get_info(get(), &info);
+        return detail::give(status, std::move(info));
+    }
     /** The first failure of a call on this device since this was last asked. */
     std::optional<Error> first_failure() const { return detail::first_failure(etd_device_status, get()); }
 

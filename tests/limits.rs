@@ -402,7 +402,8 @@ fn light_samples_of_first_hits_are_those_of_paths() {
     assert!(error.message().starts_with(&format!("{refused}light at given points has no")), "{error}");
 }
 
-/// By themselves, more light samples are taken where a pilot says so, whatever else paths carry, and as many for each part of a picture.
+/// By themselves, more light samples are taken where a pilot says so that is made for shared hits or light paths, and as many for each part
+/// of a picture.
 #[test]
 fn a_pilot_says_how_many_light_samples_first_hits_have() {
     let long = RenderDesc { resolution: [64, 64], samples: 1000, ..RenderDesc::default() };
@@ -415,7 +416,13 @@ fn a_pilot_says_how_many_light_samples_first_hits_have() {
         };
         let is_open = desc.first_shadow_rays.is_none();
         let settings = RenderSettings { desc, threads: 2, ..RenderSettings::default() };
-        let summary = Render::new(&scene, settings).unwrap().run(&mut stop).unwrap();
+        let mut render = Render::new(&scene, settings.clone()).unwrap();
+        let summary = render.run(&mut stop).unwrap();
+        // A render that goes on asks no pilot again.
+        let mut more = Render::resume(&scene, settings, render.checkpoint().unwrap()).unwrap();
+        let continued = more.run(&mut |_| ControlFlow::Break(())).unwrap();
+        assert_eq!(continued.first_shadow_rays, summary.first_shadow_rays);
+        assert!(!continued.notes.iter().any(|it| it.contains("pilot")), "{:?}", continued.notes);
         let note = format!("what the camera sees had {} light samples for each path", summary.first_shadow_rays);
         let is_noted = summary.notes.iter().any(|it| it.starts_with(&note));
         assert_eq!(is_noted, is_open && summary.first_shadow_rays > 1, "{:?}", summary.notes);
@@ -425,9 +432,12 @@ fn a_pilot_says_how_many_light_samples_first_hits_have() {
     assert!(lamps > 1, "{lamps}");
     let crop = Some(CropDesc { left: 7, top: 9, width: 3, height: 5 });
     assert_eq!(taken("smooth-mesh.json", RenderDesc { crop, seed: 5, ..long.clone() }), lamps);
+    assert!(taken("smooth-mesh.json", RenderDesc { reuse: Some(true), ..long.clone() }) > 1);
     for other in [
         RenderDesc { first_shadow_rays: Some(1), ..long.clone() },
         RenderDesc { samples: 500, ..long.clone() },
+        RenderDesc { spectral: true, ..long.clone() },
+        RenderDesc { reuse: Some(false), light_paths: Some(false), ..long.clone() },
         RenderDesc { integrator: IntegratorDesc::Direct, ..long.clone() },
     ] {
         assert_eq!(taken("smooth-mesh.json", other), 1);

@@ -5,13 +5,13 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 
 use super::boundary::{
-    Callbacks, Header, Object, UserData, boundary, catch, give, need, object, peek, read_sized, release, retain,
-    take_status,
+    Callbacks, Header, Object, UserData, boundary, catch, give, need, object, on, peek, read_sized, release, retain,
+    take_status, write_sized,
 };
 use super::float_state::in_host_state;
 use super::status::{ETD_INVALID_ARGUMENT, Failure, etd_status};
-use super::types::{ETD_LOG_INFO, etd_device_options, etd_work_fn};
-use crate::embree::MemoryBudget;
+use super::types::{ETD_LOG_INFO, etd_device_info, etd_device_options, etd_work_fn};
+use crate::embree::{Device, DeviceOptions, MemoryBudget, instruction_set};
 use crate::render::{MAX_THREADS, Workers};
 
 /// A device: threads, a memory limit, and the functions that receive messages. Devices are independent of each other.
@@ -21,6 +21,8 @@ pub struct etd_device {
     pub(super) budget: MemoryBudget,
     /// Number of threads that build Embree's hierarchies.
     pub(super) build_threads: usize,
+    /// Bytes; 0 for none.
+    memory_limit: u64,
     submit: Submit,
 }
 
@@ -123,6 +125,7 @@ pub unsafe extern "C" fn etd_device_new(
             workers,
             budget: MemoryBudget::new(if limit == 0 { usize::MAX } else { limit }),
             build_threads,
+            memory_limit: options.memory_limit,
             submit,
         };
         callbacks.log(ETD_LOG_INFO, &format!("etendue {}", env!("CARGO_PKG_VERSION")));
@@ -212,4 +215,30 @@ pub unsafe extern "C" fn etd_device_memory(
         }
         Ok(())
     })
+}
+
+/// Returns what a device is: its threads, and what it runs on. Errors: `ETD_DEVICE` if Embree does not start. Thread-safe.
+///
+/// # Safety
+/// Each pointer must be NULL or point to a value of its type, whose `struct_size` is set.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_device_get_info(device: *const etd_device, out_info: *mut etd_device_info) -> etd_status {
+    // SAFETY: the caller keeps this function's contract.
+    unsafe {
+        on(device, |device| {
+            need(out_info, "out_info")?;
+            let [major, minor, patch] =
+                Device::new(&DeviceOptions { threads: 1, ..DeviceOptions::default() })?.version();
+            let info = etd_device_info {
+                struct_size: size_of::<etd_device_info>(),
+                threads: device.workers.threads() as u32,
+                build_threads: device.build_threads as u32,
+                embree_version: 10_000 * major + 100 * minor + patch,
+                reserved: 0,
+                instruction_set: instruction_set().as_ptr(),
+                memory_limit: device.memory_limit,
+            };
+            write_sized(out_info, "out_info", info)
+        })
+    }
 }

@@ -75,8 +75,8 @@ pub struct RenderDesc {
     /// Light samples per hit, from 1 to [`MAX_SHADOW_RAYS`].
     pub shadow_rays: u32,
     /// Light samples at the hits that the camera sees itself or by way of perfectly specular surfaces alone, from 1 to [`MAX_SHADOW_RAYS`],
-    /// with [`IntegratorDesc::Path`]; `Some` is refused with others. `None`: as many as at other hits, or where the render is long and
-    /// not adaptive up to eight times as many, as a pilot says, also where [`IntegratorDesc::Auto`] chooses paths.
+    /// with [`IntegratorDesc::Path`]; `Some` is refused with others. `None`: as many as at other hits, or up to eight times as many, where a
+    /// pilot says so that is made for [`reuse`](Self::reuse) or [`light_paths`](Self::light_paths).
     pub first_shadow_rays: Option<u32>,
     /// The survival probability by which Russian roulette ends paths.
     pub roulette: RouletteDesc,

@@ -81,7 +81,7 @@ impl DeviceInner {
 
 /// The widest instructions of this processor among those that Embree has code for, by which it chooses. The last bits of hits depend on
 /// them.
-pub(crate) fn instruction_set() -> &'static str {
+pub(crate) fn instruction_set() -> &'static CStr {
     #[cfg(target_arch = "x86_64")]
     {
         let has_avx512 = std::is_x86_feature_detected!("avx512f")
@@ -95,20 +95,20 @@ pub(crate) fn instruction_set() -> &'static str {
             && std::is_x86_feature_detected!("bmi2")
             && std::is_x86_feature_detected!("lzcnt");
         if has_avx512 {
-            "AVX-512"
+            c"AVX-512"
         } else if has_avx2 {
-            "AVX2"
+            c"AVX2"
         } else if std::is_x86_feature_detected!("avx") {
-            "AVX"
+            c"AVX"
         } else if std::is_x86_feature_detected!("sse4.2") {
-            "SSE4.2"
+            c"SSE4.2"
         } else {
-            "SSE2"
+            c"SSE2"
         }
     }
     #[cfg(not(target_arch = "x86_64"))]
     {
-        "its instructions"
+        c"its instructions"
     }
 }
 

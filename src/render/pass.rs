@@ -240,7 +240,7 @@ impl<I: Transport<C>, C: Spectrum> Measurement for CameraRadiance<'_, I, C> {
     type Carried = C;
     type Memory = I::Memory;
 
-    /// A wave, or with several shadow rays per hit the number of paths whose shadow rays make a wave. Those of the first hit come once.
+    /// A wave, or with several shadow rays per hit the number of paths whose shadow rays make a wave. Those of first hits are a part of all.
     fn batch_size(&self, pass: &Pass) -> usize {
         match (I::IN_WAVES, pass.input.film.options().gathering) {
             (true, _) => {

@@ -51,7 +51,10 @@ const TIME_OF_A_SHARED_RAY: f64 = 0.45;
 /// The same for a ray of a light path, with the choice of where it begins.
 const TIME_OF_A_LIGHT_RAY: f64 = 1.6;
 
-/// The same for the ray of one more light sample at the first hit, with the choice of a lamp.
+/// Mean time of a ray where pixels share hits, of which many are shadow rays to common ends, where paths by themselves are not known.
+const TIME_OF_A_RAY_AMONG_SHARED: f64 = 0.65;
+
+/// Time of the ray of one more light sample at the first hit, with the choice of a lamp, over that of a path's ray.
 const TIME_OF_A_LIGHT_SAMPLE: f64 = 1.4;
 
 /// What a way with more light samples costs counts so many times: of the errors that few bright pixels have, which squares rarely meet, more
@@ -204,7 +207,7 @@ pub(super) fn pilot(input: &PassInput, undecided: &Undecided, parallel: &mut imp
     let mut light_rays = (0, 1);
     if let Some(paths) = &undecided.light {
         let count = (samples / SAMPLES_A_LIGHT_PATH).clamp(u64::from(PATHS_A_BLOCK), MOST_LIGHT_PATHS) as u32;
-        let rays = trace_light(&input, paths, count, &aims, &mut squares, parallel)?;
+        let rays = trace_light(&input, paths, count, (&aims, kinds), &mut squares, parallel)?;
         light_rays = (rays, count);
     }
     let pixels = input.desc.resolution.map(f64::from).iter().product::<f64>();
@@ -213,17 +216,19 @@ pub(super) fn pilot(input: &PassInput, undecided: &Undecided, parallel: &mut imp
         let rays = light_rays.0 as f64 / f64::from(light_rays.1) * f64::from(paths.count()) / pixels;
         (paths.count(), rays * f64::from(across * across * SQUARE * SQUARE * SAMPLES))
     });
-    let mut found = compare(squares, kinds, light);
+    let ray = if matches!(input.method, Method::Reuse(_)) { TIME_OF_A_RAY_AMONG_SHARED } else { 1.0 };
+    let mut found = compare(squares, kinds, light, ray);
     found.rays += light_rays.0;
     Ok(found)
 }
 
-/// Traces light paths, and adds what they tell to the squares where they arrive.
+/// Traces light paths, and adds what they tell to the squares where they arrive. `aims` are those of each way, `kinds` the number of ways
+/// that all squares have.
 fn trace_light(
     input: &PassInput,
     paths: &LightPaths,
     count: u32,
-    aims: &[Option<Aims>],
+    (aims, kinds): (&[Option<Aims>], usize),
     squares: &mut [Square],
     parallel: &mut impl Parallel,
 ) -> Result<u64> {
@@ -281,8 +286,8 @@ fn trace_light(
     for (number, square) in squares.iter_mut().enumerate() {
         square.caustics = vec![Caustics::default(); square.costs.len()];
         let of_pixel = |pixel: usize| brought.get(&(number, pixel));
-        // The last way has the least noise.
-        let means = square.pixels.last().into_iter().flatten().enumerate();
+        // The last way has the least noise, but for the one with more light samples, which not all squares have.
+        let means = square.pixels[..square.pixels.len().min(kinds)].last().into_iter().flatten().enumerate();
         let means: Vec<f64> =
             means.map(|(pixel, [mean, _])| mean + of_pixel(pixel).map_or(0.0, |(light, _)| *light)).collect();
         let squared = squared(&means);
@@ -368,12 +373,12 @@ struct Model {
 }
 
 impl Model {
-    /// From the squares of so many ways with few light samples.
-    fn of(squares: &[Square], ways: usize, light: Option<(u32, f64)>) -> Self {
+    /// From the squares of so many ways with few light samples. `ray`: mean time of a ray in the first of these, over that of a path's.
+    fn of(squares: &[Square], ways: usize, light: Option<(u32, f64)>, ray: f64) -> Self {
         let rays = |way: usize| squares.iter().map(|square| square.costs[way].rays).sum::<u64>() as f64;
         let few = rays(0).max(1.0);
         let times = (0..ways).map(|way| 1.0 + TIME_OF_A_SHARED_RAY * (rays(way) / few - 1.0)).collect();
-        let light = light.map(|(count, rays)| (count, TIME_OF_A_LIGHT_RAY * rays / few));
+        let light = light.map(|(count, rays)| (count, TIME_OF_A_LIGHT_RAY * rays / (few * ray)));
         let mut errors = vec![0.0; ways];
         for square in squares {
             let [first, second] = errors_of([&square.costs[0], &square.costs[ways - 1]]);
@@ -406,7 +411,9 @@ impl Model {
         let tried = f64::from(SAMPLES_TRIED);
         let direct = (with_few > 0.0 && alone > 0.0).then(|| {
             let share = (1.0 - with_more / with_few) * tried / (tried - 1.0);
-            let time = TIME_OF_A_LIGHT_SAMPLE * (rays_of_more - rays_of_few) / (alone * (tried - 1.0));
+            // Paths of other random numbers have other numbers of rays.
+            let more = (rays_of_more - rays_of_few).max(0.0);
+            let time = TIME_OF_A_LIGHT_SAMPLE * more / (alone * ray * (tried - 1.0));
             [share.clamp(0.0, 1.0) * errors[ways - 1], time]
         });
         Self { rest, caustics, times, light, direct }
@@ -435,10 +442,10 @@ impl Model {
 }
 
 /// The gain of other ways than the first, by the squares' costs in so many ways with few light samples. `light`: number of light paths for
-/// each sample of all pixels, and their number of rays for the samples of the squares.
-fn compare(squares: Vec<Square>, ways: usize, light: Option<(u32, f64)>) -> Found {
+/// each sample of all pixels, and their number of rays for the samples of the squares. `ray`: see [`Model::of`].
+fn compare(squares: Vec<Square>, ways: usize, light: Option<(u32, f64)>, ray: f64) -> Found {
     let rays = squares.iter().flat_map(|square| &square.costs).map(|cost| cost.rays).sum();
-    let model = Model::of(&squares, ways, light);
+    let model = Model::of(&squares, ways, light, ray);
     // Black squares, and those without noise, gain nothing.
     let gain = |before: f64, after: f64| if before > 0.0 { before / after.max(f64::MIN_POSITIVE) } else { 0.0 };
     let gain_of_second = |costs: &[(f64, u32)]| match costs {
@@ -487,11 +494,11 @@ mod tests {
 
     #[test]
     fn the_gain_is_that_of_errors_over_that_of_rays() {
-        let found = compare(squares(&[[[0.3, 0.01], [0.1, 0.01]]; 36], [100, 300]), 2, None);
+        let found = compare(squares(&[[[0.3, 0.01], [0.1, 0.01]]; 36], [100, 300]), 2, None, 1.0);
         assert!((found.sharing - 3.0 / 1.9).abs() < 1e-12, "{found:?}");
         assert_eq!(found.rays, 36 * 400);
         assert!(found.shares() && !found.traces_light());
-        assert!(!compare(squares(&[[[0.3, 0.01], [0.2, 0.01]]; 36], [100, 300]), 2, None).shares());
+        assert!(!compare(squares(&[[[0.3, 0.01], [0.2, 0.01]]; 36], [100, 300]), 2, None, 1.0).shares());
     }
 
     #[test]
@@ -499,22 +506,22 @@ mod tests {
         let mut errors = [[[0.3, 0.01], [0.1, 0.01]]; 36];
         errors[7][1] = [1e6, 9e5];
         errors[20][0] = [1e9, 9e8];
-        let found = compare(squares(&errors, [100, 100]), 2, None);
+        let found = compare(squares(&errors, [100, 100]), 2, None, 1.0);
         // One of 36 squares is four times as bad, another four times as good.
         let expected = (35.0 * 0.3 + 4.0 * 0.1) / (35.0 * 0.1 + 4.0 * 0.3);
         assert!((found.sharing - expected).abs() < 1e-12, "{found:?}");
         // Both ways have the same few noisy pixels, as at the edges of lamps.
         errors[7] = [[300.0, 200.0]; 2];
-        assert!(compare(squares(&errors, [100, 100]), 2, None).sharing < 1.1);
+        assert!(compare(squares(&errors, [100, 100]), 2, None, 1.0).sharing < 1.1);
     }
 
     #[test]
     fn squares_without_light_or_noise_share_nothing() {
-        let of = |errors, rays| compare(squares(&[errors; 36], rays), 2, None).shares();
+        let of = |errors, rays| compare(squares(&[errors; 36], rays), 2, None, 1.0).shares();
         assert!(!of([[0.0; 2]; 2], [100, 100]));
         assert!(!of([[0.0; 2]; 2], [0, 0]));
         assert!(of([[0.1, 0.0], [0.0; 2]], [100, 100]));
-        let dark = compare(squares(&[[[0.0; 2]; 2]; 36], [100, 100]), 2, Some((10, 5.0)));
+        let dark = compare(squares(&[[[0.0; 2]; 2]; 36], [100, 100]), 2, Some((10, 5.0)), 1.0);
         assert!(!dark.shares() && !dark.traces_light(), "{dark:?}");
     }
 
@@ -525,7 +532,7 @@ mod tests {
             let mut squares = squares(&[errors; 36], [100, 300]);
             let error = ErrorEstimate { value: more, standard_error: 1e-3 * more };
             squares.iter_mut().step_by(2).for_each(|square| square.costs.push(Cost { error, rays: rays as u64 }));
-            compare(squares, 2, None)
+            compare(squares, 2, None, 1.0)
         };
         // Of 0.1, 0.08 are of light samples: 0.1 (A + B / n) (T + n t) is least for 4 of 1, 2, 4 and 8.
         let found = tried([[0.3, 0.01], [0.1, 0.001]], [0.04, 360.0]);
@@ -537,16 +544,19 @@ mod tests {
         assert_eq!(tried([[0.3, 0.01], [0.1, 0.001]], [0.04, 600.0]).first_shadow_rays, 1);
         assert_eq!(tried([[0.3, 0.01], [0.1, 0.001]], [0.09, 360.0]).first_shadow_rays, 1);
         assert_eq!(tried([[0.3, 0.01], [0.1, 0.001]], [0.2, 360.0]).first_shadow_rays, 1);
+        // Fewer rays by chance are no time that is gained.
+        let few = tried([[0.3, 0.01], [0.1, 0.001]], [0.098, 100.0]);
+        assert!(few.first_shadow_rays == 1 && few.sharing > 0.0 && few.sharing < 2.0, "{few:?}");
         // Sharing takes the noise of what is not shared to account.
         let apart = tried([[0.2, 0.001], [0.15, 0.001]], [0.0395, 360.0]);
         assert!(apart.shares() && apart.first_shadow_rays == 8, "{apart:?}");
-        assert!(!compare(squares(&[[[0.2, 0.001], [0.15, 0.001]]; 36], [100, 300]), 2, None).shares());
+        assert!(!compare(squares(&[[[0.2, 0.001], [0.15, 0.001]]; 36], [100, 300]), 2, None, 1.0).shares());
         // A square that met rare bright paths once does not decide.
         let mut few = squares(&[[[0.3, 0.01], [0.1, 0.001]]; 36], [100, 300]);
         let cost = |value, standard_error| Cost { error: ErrorEstimate { value, standard_error }, rays: 360 };
         few.iter_mut().for_each(|square| square.costs.push(cost(0.04, 1e-3)));
         few[3].costs[2] = cost(1e6, 9e5);
-        assert_eq!(compare(few, 2, None).first_shadow_rays, 4);
+        assert_eq!(compare(few, 2, None, 1.0).first_shadow_rays, 4);
     }
 
     /// Squares in which light paths tell of caustics, in both ways.
@@ -565,20 +575,20 @@ mod tests {
         };
         let errors = [[0.1, 0.001], [0.08, 0.001]];
         // A few light rays beside 3600 of paths: as many of them as make their noise small.
-        let found = compare(with_caustics(errors, [caustics(0.9, 0.1); 2]), 2, Some((10, 36.0)));
+        let found = compare(with_caustics(errors, [caustics(0.9, 0.1); 2]), 2, Some((10, 36.0)), 1.0);
         assert!(found.traces_light() && !found.shares(), "{found:?}");
         let with = |times: f64, noise: f64| (0.1 + noise) * (1.0 + TIME_OF_A_LIGHT_RAY * times * 0.01);
         assert_eq!(found.count, 80);
         assert!((found.light - 1.0 / with(8.0, 0.0125)).abs() < 1e-9, "{found:?}");
         // Where they are little of it, they are not worth their time, and sharing is chosen as without.
         let errors = [[0.3, 0.001], [0.1, 0.001]];
-        let found = compare(with_caustics(errors, [caustics(0.01, 0.001); 2]), 2, Some((10, 36.0)));
+        let found = compare(with_caustics(errors, [caustics(0.01, 0.001); 2]), 2, Some((10, 36.0)), 1.0);
         assert!(!found.traces_light() && found.shares(), "{found:?}");
         // Both.
-        let found = compare(with_caustics(errors, [caustics(0.9, 0.1), caustics(0.6, 0.1)]), 2, Some((10, 36.0)));
+        let found = compare(with_caustics(errors, [caustics(0.9, 0.1), caustics(0.6, 0.1)]), 2, Some((10, 36.0)), 1.0);
         assert!(found.traces_light() && found.shares(), "{found:?}");
         // Light rays that take longer than all paths.
-        let found = compare(with_caustics(errors, [caustics(0.1, 0.01); 2]), 2, Some((10, 36000.0)));
+        let found = compare(with_caustics(errors, [caustics(0.1, 0.01); 2]), 2, Some((10, 36000.0)), 1.0);
         assert!(!found.traces_light(), "{found:?}");
     }
 

@@ -110,7 +110,9 @@ impl Wanted {
             Ok(())
         })?;
         let own = desc.shadow_rays;
-        let takes_more = place.is_none() && integrator == IntegratorDesc::Path && own <= MAX_SHADOW_RAYS / MOST_TIMES;
+        // A pilot is made for this where it is made for one of the others.
+        let has_pilot = reuse == Decision::ByPilot || light_paths == Decision::ByPilot;
+        let takes_more = has_pilot && own <= MAX_SHADOW_RAYS / MOST_TIMES && !scene.emitters().is_dark();
         let first_shadow_rays = match desc.first_shadow_rays {
             Some(count) => {
                 match place {
@@ -119,7 +121,7 @@ impl Wanted {
                 }
                 Some(count)
             }
-            None => (squares.is_none() || adaptive || !takes_more).then_some(own),
+            None => (!takes_more).then_some(own),
         };
         Ok(Self { reuse, light_paths, first_shadow_rays, across: squares.unwrap_or(ACROSS[0]) })
     }

@@ -309,6 +309,14 @@ static void structures(void) {
     FIELD(etd_progress, samples_total);
     FIELD(etd_progress, phase);
     FIELD(etd_progress, images);
+    STRUCT(etd_device_info);
+    FIELD(etd_device_info, struct_size);
+    FIELD(etd_device_info, threads);
+    FIELD(etd_device_info, build_threads);
+    FIELD(etd_device_info, embree_version);
+    FIELD(etd_device_info, reserved);
+    FIELD(etd_device_info, instruction_set);
+    FIELD(etd_device_info, memory_limit);
     STRUCT(etd_scene_info);
     FIELD(etd_scene_info, struct_size);
     FIELD(etd_scene_info, surfaces);
@@ -742,6 +750,7 @@ static void macros(void) {
     INITIALISER(etd_film_options, ETD_FILM_OPTIONS_INIT);
     INITIALISER(etd_map, ETD_MAP_INIT);
     INITIALISER(etd_image_options, ETD_IMAGE_OPTIONS_INIT);
+    INITIALISER(etd_device_info, ETD_DEVICE_INFO_INIT);
     INITIALISER(etd_scene_info, ETD_SCENE_INFO_INIT);
     INITIALISER(etd_atlas_options, ETD_ATLAS_OPTIONS_INIT);
     INITIALISER(etd_atlas_info, ETD_ATLAS_INFO_INIT);

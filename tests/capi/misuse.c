@@ -141,6 +141,10 @@ static etd_status n_device_memory(void) {
     uint64_t *peak = AT(2, output(sizeof *peak));
     return CALL(etd_device_memory(DEVICE(0), used, peak));
 }
+static etd_status n_device_get_info(void) {
+    etd_device_info *info = AT(1, sized_output(sizeof *info));
+    return CALL(etd_device_get_info(DEVICE(0), info));
+}
 static etd_status n_scene_new(void) {
     etd_scene_options options = ETD_SCENE_OPTIONS_INIT;
     etd_scene **out = AT(2, output(sizeof *out));
@@ -878,6 +882,7 @@ static const struct {
     {"etd_device_release", n_device_release, 1, 0, 1},
     {"etd_device_status", n_device_status, 2, 1, 1},
     {"etd_device_memory", n_device_memory, 3, 1, 1},
+    {"etd_device_get_info", n_device_get_info, 2, 3, 1},
     {"etd_scene_new", n_scene_new, 3, 5, 1},
     {"etd_scene_from_json", n_scene_from_json, 4, 11, 1},
     {"etd_scene_from_file", n_scene_from_file, 4, 11, 1},

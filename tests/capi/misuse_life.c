@@ -853,6 +853,13 @@ static void cancel_any_time(int moments) {
         etd_scene_release(scene);
     }
     {
+        etd_device_info info = ETD_DEVICE_INFO_INIT;
+        CHECK_OK(etd_device_get_info(device, &info));
+        CHECK(info.threads == 2 && info.build_threads == 2 && info.memory_limit == 0 && info.reserved == 0);
+        CHECK(info.embree_version >= 40300 && info.embree_version < 50000);
+        CHECK(info.instruction_set != NULL && strlen(info.instruction_set) >= 3);
+    }
+    {
         uint64_t used = 1, peak = 0;
         CHECK_OK(etd_device_memory(device, &used, &peak));
         CHECK(used == 0 && peak > 0);

@@ -110,11 +110,10 @@ pub fn render(desc: &SceneDesc, job: &Job) -> (Image, Summary) {
 }
 
 /// Renders a built scene with two threads. Pixels share hits and light paths only where the settings say so, since [`mean_and_error`] needs pixels
-/// that are independent. No pilot is made.
+/// that are independent.
 pub fn render_scene(scene: &Scene, desc: RenderDesc) -> (Image, Summary) {
     let (reuse, light_paths) = (desc.reuse.or(Some(false)), desc.light_paths.or(Some(false)));
-    let own = (desc.integrator == IntegratorDesc::Path).then_some(desc.shadow_rays);
-    let desc = RenderDesc { reuse, light_paths, first_shadow_rays: desc.first_shadow_rays.or(own), ..desc };
+    let desc = RenderDesc { reuse, light_paths, ..desc };
     let settings = RenderSettings { desc, threads: 2, ..RenderSettings::default() };
     let mut render = Render::new(scene, settings).expect("settings of the test");
     let summary = render.run(&mut |_| ControlFlow::Continue(())).expect("no worker panics");

@@ -66,6 +66,28 @@ pub struct etd_device_options {
     pub user_data: *mut c_void,
 }
 
+/// What a device is.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct etd_device_info {
+    /// `sizeof(etd_device_info)`.
+    pub struct_size: usize,
+    /// Number of threads that render, including the calling thread where that takes a part.
+    pub threads: u32,
+    /// Number of threads that build hierarchies.
+    pub build_threads: u32,
+    /// Version of the Embree library that runs, as 10000 * major + 100 * minor + patch.
+    pub embree_version: u32,
+    /// 0.
+    pub reserved: u32,
+    /// The largest instruction set of the processor among those that Embree and the library choose between: "AVX-512", "AVX2", "AVX",
+    /// "SSE4.2" or "SSE2" on x86-64. The string is static.
+    pub instruction_set: *const c_char,
+    /// The memory limit of the device in bytes; 0: none.
+    pub memory_limit: u64,
+}
+
 versioned! {
     etd_device_options, user_data;
+    etd_device_info, memory_limit;
 }

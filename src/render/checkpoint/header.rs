@@ -142,7 +142,7 @@ pub(super) fn arithmetic(embree: Option<[u32; 3]>) -> String {
     let processor = std::env::consts::ARCH;
     match embree {
         Some([major, minor, patch]) => {
-            format!("Embree {major}.{minor}.{patch} with {} on {processor}", instruction_set())
+            format!("Embree {major}.{minor}.{patch} with {} on {processor}", instruction_set().to_string_lossy())
         }
         // A scene without surfaces.
         None => format!("no Embree on {processor}"),

@@ -222,7 +222,7 @@ impl Checkpoint {
                 let is_open = [whole.light_paths, header.light_paths].contains(&None);
                 let is_open = is_open || [whole.reuse, header.reuse].contains(&None);
                 let is_open = is_open || [whole.first_shadow_rays, header.first_shadow_rays].contains(&None);
-                let what = "the shares were rendered with different numbers of light paths or light samples";
+                let what = "the shares were rendered in different ways: one with hits that pixels share, or other numbers of light paths or samples";
                 let what = if is_open { "some shares have no samples, others have" } else { what };
                 return invalid(what.to_owned());
             }

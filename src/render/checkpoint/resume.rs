@@ -9,7 +9,7 @@ use super::{Checkpoint, Header};
 use crate::desc::RenderDesc;
 use crate::error::{Error, ErrorKind, Result};
 use crate::film::Film;
-use crate::integrator::check_light_paths;
+use crate::integrator::{check_first_shadow_rays, check_light_paths};
 use crate::scene::Scene;
 
 impl Render {
@@ -38,7 +38,13 @@ impl Render {
         if header.light_paths.is_some_and(|count| count > 0) {
             check_light_paths(scene, render.integrator(), &render.desc)?;
         }
-        render.set_ways(header.ways());
+        let own = render.desc.shadow_rays;
+        if header.first_shadow_rays.is_some_and(|count| count != own) {
+            check_first_shadow_rays(render.integrator())?;
+        }
+        // A render that has begun without a number of its own goes on as it began.
+        let begun = header.first_shadow_rays.or((header.samples > 0).then_some(own));
+        render.set_ways(Ways { first_shadow_rays: begun, ..header.ways() });
         // Another render may still fill the film of a checkpoint that was not read from a file.
         render.film = Arc::new(Arc::try_unwrap(film).or_else(|film| Film::copy_of(&film))?);
         render.stage = stage;

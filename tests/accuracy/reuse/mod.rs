@@ -235,10 +235,12 @@ fn first_light_samples(case: &mut Case) {
         let desc = RenderDesc { resolution: [32, 32], ..settings(samples) };
         let alone = RenderDesc { reuse: Some(false), samples: 2 * desc.samples, ..desc.clone() };
         let expected = measure(&scene, &alone, seeds, 1000);
-        for reuse in [false, true] {
-            let desc = RenderDesc { reuse: Some(reuse), first_shadow_rays: Some(4), ..desc.clone() };
+        for (reuse, first, shadow_rays) in [(false, 4, 1), (true, 4, 1), (true, 1, 2)] {
+            let first_shadow_rays = Some(first);
+            let desc = RenderDesc { reuse: Some(reuse), first_shadow_rays, shadow_rays, ..desc.clone() };
             let found = measure(&scene, &desc, seeds, 2000);
-            let what = format!("{name}, 4 first{}", if reuse { ", shared hits" } else { "" });
+            let shared = if reuse { ", shared hits" } else { "" };
+            let what = format!("{name}, {first} first, then {shadow_rays}{shared}");
             case.equal_means(what, found, expected, pick(case, quick, full));
         }
     }
