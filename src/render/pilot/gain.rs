@@ -1,49 +1,6 @@
-//! A pilot: small parts of the picture that are rendered in several ways, and some light paths, which say in which way the render takes
-//! least time to the same error.
-//!
-//! Where light paths are open, the squares are rendered with the weights that paths from the camera have beside light paths, so that their
-//! error is of all else; 16 samples would tell little of how rarely such paths meet a caustic. What that comes to is told by light paths.
-//! Where one of them arrives, both its density and the density a with which paths from the camera find the same light are known. With
-//! contributions x = f / b for the density b of N light paths, second moments are sums over them: f^2 / a, of paths from the camera
-//! alone, is the sum of x^2 b / a; a f^2 / (a + b)^2, of these with their weights, that of x^2 a b / (a + b)^2; and f^2 / (a + b), of both
-//! together, that of x^2 b / (a + b). With k times as many light paths, b becomes k b.
-//!
-//! Every other square is rendered once more with several light samples for each at the hits that the camera sees. The error is A + B / n
-//! for n times as many, so that both errors give B.
-//!
-//! Source: Grittmann, Yazici, Georgiev, Slusallek 2022, "Efficiency-Aware Multiple Importance Sampling for Bidirectional Rendering
-//! Algorithms".
+//! What the squares of a pilot and its light paths tell of the time to a given error in each way.
 
-use std::collections::BTreeMap;
-use std::sync::Arc;
-
-use super::method::Method;
-use super::order::SQUARE;
-use super::pass::{Light, Pass, PassInput};
-use super::ways::{LIGHT_SEED, SAMPLES, Undecided};
-use crate::control::Parallel;
-use crate::desc::RenderDesc;
-use crate::error::Result;
-use crate::film::{ErrorEstimate, Film, FilmOptions, Placement};
-use crate::integrator::aim::Aims;
-use crate::integrator::light_tracing::{LightPaths, LightPictures, PATHS_A_BLOCK};
-use crate::spectrum::LUMINANCE_WEIGHTS;
-
-/// Least and greatest number of squares of a pilot in a row and in a column.
-pub(super) const ACROSS: [u32; 2] = [6, 10];
-
-/// Number of samples of a picture over those of its pilot. All ways together take about the time of four paths for each sample of the
-/// pilot, which then is a thirtieth of the picture's.
-pub(super) const TIMES_LONGER: u64 = 110;
-
-/// Number of samples of a picture for each light path of its pilot.
-const SAMPLES_A_LIGHT_PATH: u64 = 48;
-
-/// Most light paths of a pilot.
-const MOST_LIGHT_PATHS: u64 = 1 << 20;
-
-/// Random numbers of the pilot. They do not depend on the seed of the render, so that renders of the same settings choose alike.
-const SEED: u64 = 0x70_696c_6f74;
+use crate::film::ErrorEstimate;
 
 /// Time of a ray of sharing over the time of a path's ray without. The rays that sharing adds are shadow rays to common ends.
 const TIME_OF_A_SHARED_RAY: f64 = 0.45;
@@ -52,7 +9,7 @@ const TIME_OF_A_SHARED_RAY: f64 = 0.45;
 const TIME_OF_A_LIGHT_RAY: f64 = 1.6;
 
 /// Mean time of a ray where pixels share hits, of which many are shadow rays to common ends, where paths by themselves are not known.
-const TIME_OF_A_RAY_AMONG_SHARED: f64 = 0.65;
+pub(super) const TIME_OF_A_RAY_AMONG_SHARED: f64 = 0.65;
 
 /// Time of the ray of one more light sample at the first hit, with the choice of a lamp, over that of a path's ray.
 const TIME_OF_A_LIGHT_SAMPLE: f64 = 1.4;
@@ -63,8 +20,8 @@ const DOUBT_OF_SAMPLES: f64 = 1.25;
 
 /// Numbers of light samples at the first hit that are considered, in those of other hits, and the one that is rendered.
 const TIMES_AS_MANY_SAMPLES: [u32; 4] = [1, 2, 4, MOST_TIMES];
-const SAMPLES_TRIED: u32 = 4;
-pub(super) const MOST_TIMES: u32 = 8;
+pub(super) const SAMPLES_TRIED: u32 = 4;
+pub(in super::super) const MOST_TIMES: u32 = 8;
 
 /// The gain in time from which on another way than that of paths by themselves is taken. Pilots promise a little more than pictures keep.
 const LEAST_GAIN: f64 = 1.1;
@@ -74,7 +31,7 @@ const LEAST_GAIN: f64 = 1.1;
 const LEAST_LIGHT_GAIN: f64 = 1.2;
 
 /// Numbers of light paths that are considered, in those of [`LightPaths::new`].
-const TIMES_AS_MANY: [u32; 4] = [1, 2, 4, 8];
+pub(super) const TIMES_AS_MANY: [u32; 4] = [1, 2, 4, 8];
 
 /// The error of a square of which few pixels have most is at most so many times that of another way.
 const FEW_TIMES: f64 = 4.0;
@@ -84,7 +41,7 @@ const LEAST_REST: f64 = 0.05;
 
 /// What a pilot found.
 #[derive(Clone, Debug)]
-pub(super) struct Found {
+pub(in super::super) struct Found {
     /// How many times longer a picture takes without shared hits to the same error, where it was asked.
     pub sharing: f64,
     /// How many times longer it takes without light paths, and how many of them are best for each sample.
@@ -108,42 +65,42 @@ impl Found {
     }
 }
 
-const NO_ERROR: ErrorEstimate = ErrorEstimate { value: 0.0, standard_error: 0.0 };
+pub(super) const NO_ERROR: ErrorEstimate = ErrorEstimate { value: 0.0, standard_error: 0.0 };
 
 /// What a square of the pilot came to in one way.
 #[derive(Clone, Copy, Debug)]
-struct Cost {
+pub(super) struct Cost {
     /// Estimated relMSE, or [`NO_ERROR`] where the square is black.
-    error: ErrorEstimate,
-    rays: u64,
+    pub error: ErrorEstimate,
+    pub rays: u64,
 }
 
 /// What is known of a square.
 #[derive(Clone, Debug)]
-struct Square {
-    origin: [u32; 2],
+pub(super) struct Square {
+    pub origin: [u32; 2],
     /// For each way: by itself, with shared hits where these are open, and in some squares the last of these with more light samples.
-    costs: Vec<Cost>,
+    pub costs: Vec<Cost>,
     /// For each way the mean luminance of each pixel and its variance, where light paths are open.
-    pixels: Vec<Vec<[f64; 2]>>,
+    pub pixels: Vec<Vec<[f64; 2]>>,
     /// What light paths tell of it, for each way.
-    caustics: Vec<Caustics>,
+    pub caustics: Vec<Caustics>,
 }
 
 /// The part of an error that is of caustics, in one way.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Caustics {
+pub(super) struct Caustics {
     /// By paths from the camera alone.
-    alone: f64,
+    pub alone: f64,
     /// By these with the weights that they have beside light paths.
-    weighted: f64,
+    pub weighted: f64,
     /// With light paths beside, for each of [`TIMES_AS_MANY`].
-    beside: [f64; TIMES_AS_MANY.len()],
+    pub beside: [f64; TIMES_AS_MANY.len()],
 }
 
 impl Caustics {
     /// Adds others, times `scale`.
-    fn add(&mut self, other: &Self, scale: f64) {
+    pub fn add(&mut self, other: &Self, scale: f64) {
         self.alone += scale * other.alone;
         self.weighted += scale * other.weighted;
         self.beside.iter_mut().zip(other.beside).for_each(|(sum, of)| *sum += scale * of);
@@ -161,172 +118,8 @@ fn errors_of(costs: [&Cost; 2]) -> [f64; 2] {
     [limited(first, second), limited(second, first)]
 }
 
-/// Renders small squares of the picture in the ways that are open, and traces some light paths.
-///
-/// # Errors
-/// [`crate::ErrorKind::Cancelled`] if the work was stopped, `OutOfMemory` for films of squares that do not fit.
-pub(super) fn pilot(input: &PassInput, undecided: &Undecided, parallel: &mut impl Parallel) -> Result<Found> {
-    let across = undecided.across;
-    let token = parallel.token();
-    let samples = input.desc.resolution.map(u64::from).iter().product::<u64>() * u64::from(input.desc.samples);
-    let desc = Arc::new(RenderDesc { seed: SEED, samples: SAMPLES, ..(*input.desc).clone() });
-    let input = PassInput { desc, ..input.clone() };
-    let few = input.first_shadow_rays;
-    let mut methods = vec![(input.method.clone(), few)];
-    methods.extend(undecided.sharing.clone().map(|reuse| (Method::Reuse(reuse), few)));
-    let kinds = methods.len();
-    if undecided.first_shadow_rays {
-        methods.extend(methods.last().map(|(method, _)| (method.clone(), few * SAMPLES_TRIED)));
-    }
-    let aims = methods.iter().map(|(method, _)| match method {
-        Method::Reuse(reuse) => Some(reuse.aims().clone()),
-        _ => None,
-    });
-    let aims: Vec<Option<Aims>> = aims.collect();
-    let open = undecided.light.clone().map(|paths| Light { paths, pictures: LightPictures::default() });
-    let input = PassInput { light: open.or(input.light), ..input };
-    let squares = {
-        let (input, methods) = (input.clone(), methods.clone());
-        parallel.map((across * across) as usize, move |number| {
-            let origin = place(&input, across, number as u32);
-            let mut square = Square { origin, costs: Vec::new(), pixels: Vec::new(), caustics: Vec::new() };
-            let is_even = (number as u32 / across + number as u32 % across).is_multiple_of(2);
-            for (method, first_shadow_rays) in methods.iter().take(if is_even { methods.len() } else { kinds }) {
-                let (method, first_shadow_rays) = (method.clone(), *first_shadow_rays);
-                let film = Arc::new(film(&input, origin)?);
-                let input = PassInput { method, first_shadow_rays, film: Arc::clone(&film), ..input.clone() };
-                let has_light = input.light.is_some();
-                let rays = Pass::new(input, SAMPLES, None, token.clone()).into_rays();
-                square.costs.push(Cost { error: film.rel_mse().unwrap_or(NO_ERROR), rays });
-                square.pixels.extend(has_light.then(|| film.luminances()));
-            }
-            Ok(square)
-        })?
-    };
-    let mut squares = squares.into_iter().collect::<Result<Vec<_>>>()?;
-    let mut light_rays = (0, 1);
-    if let Some(paths) = &undecided.light {
-        let count = (samples / SAMPLES_A_LIGHT_PATH).clamp(u64::from(PATHS_A_BLOCK), MOST_LIGHT_PATHS) as u32;
-        let rays = trace_light(&input, paths, count, (&aims, kinds), &mut squares, parallel)?;
-        light_rays = (rays, count);
-    }
-    let pixels = input.desc.resolution.map(f64::from).iter().product::<f64>();
-    let light = undecided.light.as_ref().map(|paths| {
-        // Of a sample of the squares' pixels.
-        let rays = light_rays.0 as f64 / f64::from(light_rays.1) * f64::from(paths.count()) / pixels;
-        (paths.count(), rays * f64::from(across * across * SQUARE * SQUARE * SAMPLES))
-    });
-    let ray = if matches!(input.method, Method::Reuse(_)) { TIME_OF_A_RAY_AMONG_SHARED } else { 1.0 };
-    let mut found = compare(squares, kinds, light, ray);
-    found.rays += light_rays.0;
-    Ok(found)
-}
-
-/// Traces light paths, and adds what they tell to the squares where they arrive. `aims` are those of each way, `kinds` the number of ways
-/// that all squares have.
-fn trace_light(
-    input: &PassInput,
-    paths: &LightPaths,
-    count: u32,
-    (aims, kinds): (&[Option<Aims>], usize),
-    squares: &mut [Square],
-    parallel: &mut impl Parallel,
-) -> Result<u64> {
-    let origins: Vec<[u32; 2]> = squares.iter().map(|square| square.origin).collect();
-    let (scene, paths, aims, token) = (input.scene.clone(), paths.clone(), aims.to_vec(), parallel.token());
-    let shares = f64::from(paths.count()) / f64::from(count);
-    let blocks = parallel.map(count.div_ceil(PATHS_A_BLOCK) as usize, move |block| {
-        let first = block as u32 * PATHS_A_BLOCK;
-        let range = first..count.min(first + PATHS_A_BLOCK);
-        let mut told = Vec::new();
-        if token.is_cancelled() {
-            return (told, 0);
-        }
-        let rays = paths.connections(&scene, (0, SEED ^ LIGHT_SEED), range, &mut |connection| {
-            let inside = |origin: &[u32; 2]| {
-                (0..2).all(|axis| {
-                    let at = connection.place[axis] - origin[axis] as f32;
-                    (0.0..SQUARE as f32).contains(&at)
-                })
-            };
-            let Some(square) = origins.iter().position(inside) else { return };
-            let [x, y] = [0, 1].map(|axis| (connection.place[axis] - origins[square][axis] as f32) as u32);
-            let pixel = (y.min(SQUARE - 1) * SQUARE + x.min(SQUARE - 1)) as usize;
-            let value = f64::from(connection.light.dot(LUMINANCE_WEIGHTS));
-            let density = f64::from(connection.density);
-            let [p, n, wi] = connection.at;
-            let of = aims.iter().map(|aims| {
-                let aimed = aims.as_ref().filter(|aims| !aims.is_empty()).map_or(0.0, |aims| aims.pdf(p, n, wi));
-                let own = f64::from(connection.seen * (connection.pdf + aimed));
-                let both = own + density;
-                let moment = shares * value * value * density;
-                let beside = TIMES_AS_MANY.map(|times| moment / (own + f64::from(times) * density));
-                let caustics = Caustics { alone: moment / own, weighted: moment * own / (both * both), beside };
-                (shares * value * density / both, caustics)
-            });
-            let of: Vec<(f64, Caustics)> = of.collect();
-            told.push((square, pixel, of));
-        });
-        (told, rays)
-    })?;
-    let mut rays = 0;
-    // For each square and pixel the light, by the weights of the last way, and the moments of each way.
-    let mut brought: BTreeMap<(usize, usize), (f64, Vec<Caustics>)> = BTreeMap::new();
-    for (told, block_rays) in blocks {
-        rays += block_rays;
-        for (square, pixel, of) in told {
-            let (light, moments) =
-                brought.entry((square, pixel)).or_insert_with(|| (0.0, vec![Caustics::default(); of.len()]));
-            *light += of.last().map_or(0.0, |(light, _)| *light);
-            for (sum, (_, of)) in moments.iter_mut().zip(&of).filter(|(_, (_, of))| of.alone.is_finite()) {
-                sum.add(of, 1.0);
-            }
-        }
-    }
-    for (number, square) in squares.iter_mut().enumerate() {
-        square.caustics = vec![Caustics::default(); square.costs.len()];
-        let of_pixel = |pixel: usize| brought.get(&(number, pixel));
-        // The last way has the least noise, but for the one with more light samples, which not all squares have.
-        let means = square.pixels[..square.pixels.len().min(kinds)].last().into_iter().flatten().enumerate();
-        let means: Vec<f64> =
-            means.map(|(pixel, [mean, _])| mean + of_pixel(pixel).map_or(0.0, |(light, _)| *light)).collect();
-        let squared = squared(&means);
-        for (cost, pixels) in square.costs.iter_mut().zip(&square.pixels) {
-            cost.error = mean_error(pixels.iter().zip(&squared).map(|([_, variance], squared)| variance / squared));
-        }
-        for (pixel, squared) in squared.iter().enumerate() {
-            let Some((_, moments)) = of_pixel(pixel) else { continue };
-            // Of the mean of a pixel's samples, and of the square's pixels.
-            let scale = 1.0 / (squared * f64::from(SAMPLES * SQUARE * SQUARE));
-            square.caustics.iter_mut().zip(moments).for_each(|(sum, of)| sum.add(of, scale));
-        }
-    }
-    Ok(rays)
-}
-
-/// Squares of the pixels' means as relMSE divides by them, from means over 3 x 3 pixels, since a pixel's own would be bright where chance
-/// made its error large.
-fn squared(means: &[f64]) -> Vec<f64> {
-    let side = SQUARE as usize;
-    let mean = means.iter().sum::<f64>() / means.len() as f64;
-    let floor = (1e-2 * mean * mean).max(f64::MIN_POSITIVE);
-    let around = |at: usize| at.saturating_sub(1)..(at + 2).min(side);
-    let blurred = |pixel: usize| {
-        let (x, y) = (pixel % side, pixel / side);
-        let (mut sum, mut count) = (0.0, 0.0);
-        for y in around(y) {
-            for x in around(x) {
-                (sum, count) = (sum + means[y * side + x], count + 1.0);
-            }
-        }
-        let mean: f64 = sum / count;
-        mean * mean + floor
-    };
-    (0..means.len()).map(blurred).collect()
-}
-
 /// The mean of errors, and how sure it is.
-fn mean_error(errors: impl Iterator<Item = f64>) -> ErrorEstimate {
+pub(super) fn mean_error(errors: impl Iterator<Item = f64>) -> ErrorEstimate {
     let (mut count, mut sum, mut squares) = (0.0, 0.0, 0.0);
     for error in errors.filter(|error| error.is_finite()) {
         (count, sum, squares) = (count + 1.0, sum + error, squares + error * error);
@@ -337,27 +130,6 @@ fn mean_error(errors: impl Iterator<Item = f64>) -> ErrorEstimate {
     let value: f64 = sum / count;
     let variance = (squares / count - value * value).max(0.0) / (count - 1.0);
     ErrorEstimate { value, standard_error: variance.sqrt() }
-}
-
-/// Where a square of the pilot lies. Each cell of the picture has a square, at places that are spread evenly and differ from cell to
-/// cell.
-fn place(input: &PassInput, across: u32, number: u32) -> [u32; 2] {
-    // Multiples of the generalised golden ratio (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences").
-    let spread = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2].map(|step| (f64::from(number + 1) * step).fract());
-    let cell = [number % across, number / across];
-    let picture = input.desc.resolution;
-    [0, 1].map(|axis| {
-        let size = f64::from(picture[axis]) / f64::from(across);
-        let place = f64::from(cell[axis]) * size + spread[axis] * (size - f64::from(SQUARE));
-        place as u32 / SQUARE * SQUARE
-    })
-}
-
-/// The film of a square.
-fn film(input: &PassInput, origin: [u32; 2]) -> Result<Film> {
-    let placement = Some(Placement { origin, picture: input.desc.resolution, pixel_aspect: 1.0 });
-    let options = input.film.options();
-    Film::new(FilmOptions { resolution: [SQUARE; 2], placement, auxiliary: false, ..*options })
 }
 
 /// What squares tell of the time to a given error, in that of paths by themselves.
@@ -443,7 +215,7 @@ impl Model {
 
 /// The gain of other ways than the first, by the squares' costs in so many ways with few light samples. `light`: number of light paths for
 /// each sample of all pixels, and their number of rays for the samples of the squares. `ray`: see [`Model::of`].
-fn compare(squares: Vec<Square>, ways: usize, light: Option<(u32, f64)>, ray: f64) -> Found {
+pub(super) fn compare(squares: Vec<Square>, ways: usize, light: Option<(u32, f64)>, ray: f64) -> Found {
     let rays = squares.iter().flat_map(|square| &square.costs).map(|cost| cost.rays).sum();
     let model = Model::of(&squares, ways, light, ray);
     // Black squares, and those without noise, gain nothing.
