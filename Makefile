@@ -11,7 +11,7 @@ IMAGES ?= out/$(basename $(notdir $(SCENE))).png out/$(basename $(notdir $(SCENE
 INSTALL = CARGO='$(CARGO)' PREFIX='$(PREFIX)' LIBDIR='$(LIBDIR)' DESTDIR='$(DESTDIR)' scripts/install.sh
 ETENDUE = $(CARGO) run --quiet --release --locked --example etendue --
 
-.PHONY: all setup render test accuracy mutations cuts bench bench-rays peers-materials gallery pictures build install uninstall deb meshes clean
+.PHONY: all setup render test accuracy mutations cuts attacks bench bench-rays peers-materials gallery pictures build install uninstall deb meshes clean
 all: render
 
 # Installs Embree, libclang and a C compiler where they are missing, with a line that says why.
@@ -44,6 +44,12 @@ cuts:
 	@scripts/setup.sh test
 	$(CARGO) build --quiet --release --locked --features mpi --example etendue --example etendue-mpi
 	scripts/cuts.sh
+
+# Attacks on the command line: kills, full disks, signals, limits of memory, odd and damaged files. About two minutes; docs/cli.md says what
+# is known to fail. ARGS are its options, such as ARGS="--only kills,damaged".
+attacks:
+	$(CARGO) build --quiet --release --locked --example etendue
+	python3 scripts/attacks.py $${CARGO_TARGET_DIR:-target}/release/examples/etendue scenes $(ARGS)
 
 # Time and error of six scenes, with a report to open in a browser: out/bench/report.html. About ten minutes the first time,
 # when references are rendered. SUITE is another suite; ARGS are further options, such as ARGS="--runs 1".

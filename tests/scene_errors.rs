@@ -464,7 +464,21 @@ fn what_is_no_regular_file_is_refused_without_waiting() {
         let error = desc::parse(&text, Path::new(""), None).unwrap_err();
         assert_eq!((error.kind(), error.location().json_path.as_str()), (ErrorKind::Io, "surfaces[0].file"));
         assert!(error.to_string().contains(expected), "{error}");
+        let error = etendue::photometry::Web::read(path).unwrap_err();
+        assert!(error.kind() == ErrorKind::Io && error.to_string().contains(expected), "{error}");
     }
+    // Images are told apart by their names, and the factors of tilted lamps are in a file that another one names.
+    let image = dir.path().join("pipe.png");
+    std::fs::rename(&fifo, &image).unwrap();
+    let error = etendue::output::read(&image).unwrap_err().to_string();
+    assert!(error.contains("cannot read the image: it is not a regular file"), "{error}");
+    let lamp = dir.path().join("lamp.ies");
+    std::fs::write(&lamp, "IESNA:LM-63-2002\nTILT=pipe.png\n1 1000 1 1 1 1 1 0 0 0\n1 1 10\n0\n0\n1\n").unwrap();
+    let error = etendue::photometry::Web::read(&lamp).unwrap_err().to_string();
+    assert!(
+        error.contains("TILT=pipe.png: cannot read the factors of tilted lamps: it is not a regular file"),
+        "{error}"
+    );
     let scene = dir.path().join("scene.json");
     std::fs::write(
         &scene,

@@ -10,6 +10,15 @@ use crate::{Error, ErrorKind, Result};
 /// Largest scene or parameter file that is read, 512 MiB. Large meshes belong in mesh files.
 pub(super) const SIZE_LIMIT: u64 = 512 << 20;
 
+/// Fails where a path leads to something else than a regular file: a pipe could block, and a device could be endless.
+pub(crate) fn check_regular(path: &Path) -> std::io::Result<()> {
+    let metadata = std::fs::metadata(path)?;
+    if metadata.is_file() {
+        return Ok(());
+    }
+    Err(std::io::Error::other(if metadata.is_dir() { "it is a folder" } else { "it is not a regular file" }))
+}
+
 /// Opens a regular file of at most `limit` bytes. Pipes, devices and folders are refused before they can block.
 pub(crate) fn open(path: &Path, limit: u64) -> Result<File> {
     let fail = |error| Error::io(path, "cannot open the file", error);

@@ -123,7 +123,7 @@ pub use edit::SurfaceLook;
 pub use environment::{
     EnvironmentDesc, EnvironmentMapDesc, FormulaSkyDesc, MAX_PORTALS, PortalDesc, SkyDesc, SkyProjection,
 };
-pub(crate) use file::open as open_file;
+pub(crate) use file::{check_regular, open as open_file};
 pub use grid::{GridDesc, GridPoints, MAX_GRID_POINTS, PlaneGridDesc};
 pub use grid_keys::{load_grids, parse_grids};
 pub use hosek_wilkie::HosekWilkieDesc;

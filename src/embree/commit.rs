@@ -32,6 +32,9 @@ const BYTES_A_PRIMITIVE: usize = 64;
 /// Memory for Embree's tasks. Where they begin without any, TBB waits for ever instead of failing.
 const BYTES_OF_TASKS: usize = 4 << 20;
 
+/// The same for each of its threads: a stack, and what an allocator keeps for a thread.
+const BYTES_OF_A_THREAD: usize = 32 << 20;
+
 type ProgressCallback<'a> = &'a (dyn Fn(f64) -> bool + Sync);
 
 /// Builds the hierarchy of a scene that is complete.
@@ -105,7 +108,8 @@ fn build(mut inner: SceneInner, monitor: &Arc<BuildMonitor>) -> Result<Scene> {
     let raw = inner.raw;
     let mut bvh_bytes = 0;
     let primitives: usize = inner.data.iter().map(GeometryData::primitives).sum();
-    check_room(BYTES_A_PRIMITIVE.saturating_mul(primitives).saturating_add(BYTES_OF_TASKS))?;
+    let of_threads = BYTES_OF_A_THREAD.saturating_mul(device.threads() - 1).saturating_add(BYTES_OF_TASKS);
+    check_room(BYTES_A_PRIMITIVE.saturating_mul(primitives).saturating_add(of_threads))?;
     device.guarded(&monitor.cancel, || {
         let before = device.memory_bytes();
         // SAFETY: the scene is alive and no other thread has it. `monitor` lives to the end of this function, and the

@@ -1,11 +1,12 @@
 //! Formats of image files, and reading them.
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
 use super::pixels::Image;
 use super::{exr, pfm, png};
+use crate::desc::check_regular;
 use crate::{Error, ErrorKind, Result};
 
 /// A kind of image file.
@@ -55,14 +56,13 @@ impl Format {
 /// feature of the format that is not read; [`ErrorKind::Io`] for a file that is missing, cut short or damaged.
 pub fn read(path: &Path) -> Result<Image> {
     let format = Format::from_path(path)?;
-    let metadata = fs::metadata(path).map_err(|error| Error::io(path, "cannot read the image", error))?;
-    if metadata.is_dir() {
-        return Err(Error::new(ErrorKind::Io, "cannot read the image: it is a folder").in_file(Some(path), 0));
-    }
-    let file = File::open(path).map_err(|error| Error::io(path, "cannot read the image", error))?;
+    let failed = |error| Error::io(path, "cannot read the image", error);
+    check_regular(path).map_err(failed)?;
+    let file = File::open(path).map_err(failed)?;
+    let size = file.metadata().map_err(failed)?.len();
     let reader = BufReader::new(file);
     match format {
-        Format::Exr => exr::decode(reader, metadata.len()),
+        Format::Exr => exr::decode(reader, size),
         Format::Pfm => pfm::decode(reader),
         Format::Png => png::decode(reader),
     }

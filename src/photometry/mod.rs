@@ -18,6 +18,7 @@ use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 
+use crate::desc::check_regular;
 use crate::{Error, ErrorKind, Result};
 use text::Refusal;
 
@@ -62,6 +63,7 @@ impl Web {
     pub fn read(file: &Path) -> Result<Self> {
         let io = |error| Error::io(file, "cannot read the photometric web", error);
         let mut bytes = Vec::new();
+        check_regular(file).map_err(io)?;
         File::open(file).and_then(|it| it.take(SIZE_LIMIT + 1).read_to_end(&mut bytes)).map_err(io)?;
         Self::parse_named(&bytes, Some(file)).map_err(|error| error.in_file(Some(file), 0))
     }
@@ -107,7 +109,8 @@ fn read_tilt(web: &Path, line: usize, name: &str) -> Result<LampTilt> {
         return Err(Error::new(ErrorKind::InvalidScene, message).in_file(Some(web), line));
     }
     let mut bytes = Vec::new();
-    File::open(&file).and_then(|it| it.take(TILT_SIZE_LIMIT + 1).read_to_end(&mut bytes)).map_err(|error| {
+    let opened = check_regular(&file).and_then(|()| File::open(&file));
+    opened.and_then(|it| it.take(TILT_SIZE_LIMIT + 1).read_to_end(&mut bytes)).map_err(|error| {
         let io = Error::io(&file, "cannot read the factors of tilted lamps", error);
         Error::new(io.kind(), format!("TILT={}: {}", text::shown(name), io.message())).in_file(Some(web), line)
     })?;

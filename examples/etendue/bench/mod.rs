@@ -205,7 +205,7 @@ fn include(results: &mut Results, mut other: Results) {
 }
 
 fn read(path: &Path) -> Result<String, Failure> {
-    Ok(fs::read_to_string(path).map_err(|error| Error::io(path, "cannot read the file", error))?)
+    Ok(results::read_text(path, "the file")?)
 }
 
 fn write(path: &Path, text: &str) -> Result<(), Failure> {

@@ -1,6 +1,5 @@
 //! Reference images for the measurement of errors.
 
-use std::fs;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
@@ -11,6 +10,8 @@ use etendue::render::{Progress, Render, RenderSettings};
 use etendue::scene::Scene;
 use etendue::{Error, ErrorKind, Result};
 use serde::{Deserialize, Serialize};
+
+use super::results;
 
 /// No measured run has this seed, or its samples would be those of the reference.
 const SEED: u64 = 0x7265_6665_7265_6e63;
@@ -69,7 +70,7 @@ impl ReferenceOrigin {
         if !path.exists() {
             return Ok(None);
         }
-        let text = fs::read_to_string(path).map_err(|error| Error::io(path, "cannot read the file", error))?;
+        let text = results::read_text(path, "the file")?;
         let read = serde_json::from_str(&text);
         read.map(Some).map_err(|error| Error::invalid("", error.to_string()).in_file(Some(path), error.line()))
     }

@@ -355,8 +355,19 @@ impl Results {
     }
 }
 
+/// Most bytes of a file that people write.
+const MOST_TEXT: u64 = 64 << 20;
+
+/// The text of such a file.
+pub fn read_text(path: &Path, what: &str) -> Result<String> {
+    let not_text = |error: std::string::FromUtf8Error| {
+        Error::new(ErrorKind::Io, format!("cannot read {what}: {}", error.utf8_error())).in_file(Some(path), 0)
+    };
+    String::from_utf8(read(path, MOST_TEXT, what)?).map_err(not_text)
+}
+
 /// The contents of a regular file with at most `most` bytes; a pipe could be endless.
-fn read(path: &Path, most: u64, what: &str) -> Result<Vec<u8>> {
+pub fn read(path: &Path, most: u64, what: &str) -> Result<Vec<u8>> {
     let failed = |error| Error::io(path, &format!("cannot read {what}"), error);
     let refuse = |reason: String| Err(Error::new(ErrorKind::Io, reason).in_file(Some(path), 0));
     if !fs::metadata(path).map_err(failed)?.is_file() {

@@ -14,6 +14,7 @@ use serde::Deserialize;
 use serde::de::IgnoredAny;
 use serde_json::{Value, json};
 
+use super::results;
 use crate::args::BenchArgs;
 
 /// Default samples per pixel.
@@ -95,7 +96,7 @@ pub enum Budget {
 impl Suite {
     /// Reads a suite file.
     pub fn load(path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path).map_err(|error| Error::io(path, "cannot read the suite", error))?;
+        let text = results::read_text(path, "the suite")?;
         let mut suite = Self::parse(text, Some(path))?;
         // Paths of scenes are relative to the suite.
         let folder = path.parent().unwrap_or(Path::new(""));
