@@ -1,5 +1,5 @@
 #!/usr/bin/perl
-# Draws docs/gallery.md: every scene, every method with its error, and photon maps, each with the time that it took.
+# Draws docs/gallery.md: every scene, every method with its error, photon maps, and a light map, each with the time that it took.
 #
 #   scripts/pictures.pl [--quick] ETENDUE     ETENDUE is the command line; --quick takes a tenth of the time
 #
@@ -105,6 +105,7 @@ for my $path (sort glob 'scenes/*.json') {
     next if $name eq 'million' && !-e 'out/million.obj';
     my $stats = render($path, "scene-$name", size_of($path, 240), 2);
     my $ways = join '', map { $stats->{settings}{$_->[0]} ? ", $_->[1]" : '' } ['reuse', 'shared hits'], ['lightPaths', 'light paths'], ['spectral', 'wavelengths'];
+    $ways .= ", $stats->{settings}{firstShadowRays} light samples first" if $stats->{settings}{firstShadowRays} > $stats->{settings}{shadowRays};
     my $anchor = $name =~ /^caustic-/ ? 'caustic-room-caustic-mirror-caustic-glass' : $name;
     push @cells, sprintf('![%s](gallery/shown/scene-%s.png)<br>[%s](scenes.md#%s): %s%s<br>%d samples, %.1f s, relMSE %s',
         $name, $name, $name, $anchor, $stats->{settings}{integrator}, $ways, $stats->{samples}{mean}, $stats->{seconds}{render},
@@ -138,6 +139,19 @@ for my $map (qw(direct caustic indirect global)) {
     push @cells, "![$map](gallery/shown/photons-$map.png)<br>`--map $map`";
 }
 $text .= "## Photon maps\n\n`etendue photons scenes/room.json --map …` with 200,000 light paths, seen by the scene's camera.\n\n" . table(2, @cells) . "\n";
+
+# A light map, as a backplate shows it.
+run($etendue, 'bake', $room, '--quiet', '--only', 'map', '--resolution', 400, '--time', 8 * $scale, '--output', "$work/map");
+my $baked = $json->decode(slurp("$work/map.json"))->{map};
+my %shown = (
+    etendue => 1, camera => { origin => [0, 0, 0] },
+    textures => [{ name => 'map', type => 'image', file => 'map.exr', filter => 'nearest' }],
+    backplate => { texture => 'map', intensity => 0.3 },
+);
+spew("$work/shown.json", $json->encode(\%shown));
+run($etendue, 'render', "$work/shown.json", '--quiet', '--resolution', '400x400', '--spp', 1, '--output', "$out/light-map.png");
+$text .= sprintf("## Light map\n\n`etendue bake scenes/room.json --resolution 400`, %d samples, %.1f s, relMSE %s: the irradiance of all surfaces, each chart in a place of its own ([bake.md](bake.md)).\n\n![light map](gallery/shown/light-map.png)\n",
+    $baked->{samples}, $baked->{seconds}, short($baked->{relMSE}));
 
 my $head = <<'HEAD';
 # Gallery

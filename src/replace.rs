@@ -130,6 +130,9 @@ fn resolve(path: &Path) -> std::io::Result<PathBuf> {
 const PREFIX: &str = ".etendue-";
 const SUFFIX: &str = ".tmp";
 
+/// How often a new file is made anew where another process has taken it away.
+const TRIES: usize = 8;
+
 /// A new file in the folder of the one that it becomes, where a rename stays within one file system. It is locked as long as it is open,
 /// so that others can tell it from one that was left.
 fn create_in(folder: &Path) -> std::io::Result<NamedTempFile> {
@@ -138,13 +141,15 @@ fn create_in(folder: &Path) -> std::io::Result<NamedTempFile> {
     // The crate's default keeps temporary files private; this one becomes an ordinary file, narrowed by the umask.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    loop {
+    for _ in 0..TRIES {
         let file = builder.tempfile_in(folder)?;
         // Before it was locked, another process may have taken it for one that was left.
         if lock(file.as_file()) != Lock::Others && is_in_folder(file.as_file()) {
             return Ok(file);
         }
     }
+    // A file system whose answers mean nothing.
+    builder.tempfile_in(folder)
 }
 
 /// Whose a file is.

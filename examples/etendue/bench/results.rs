@@ -367,7 +367,7 @@ pub fn read_text(path: &Path, what: &str) -> Result<String> {
 }
 
 /// The contents of a regular file with at most `most` bytes; a pipe could be endless.
-pub fn read(path: &Path, most: u64, what: &str) -> Result<Vec<u8>> {
+fn read(path: &Path, most: u64, what: &str) -> Result<Vec<u8>> {
     let failed = |error| Error::io(path, &format!("cannot read {what}"), error);
     let refuse = |reason: String| Err(Error::new(ErrorKind::Io, reason).in_file(Some(path), 0));
     if !fs::metadata(path).map_err(failed)?.is_file() {
