@@ -12,11 +12,16 @@ pub(super) const SIZE_LIMIT: u64 = 512 << 20;
 
 /// Fails where a path leads to something else than a regular file: a pipe could block, and a device could be endless.
 pub(crate) fn check_regular(path: &Path) -> std::io::Result<()> {
-    let metadata = std::fs::metadata(path)?;
-    if metadata.is_file() {
-        return Ok(());
+    match irregular(&std::fs::metadata(path)?) {
+        Some(what) => Err(std::io::Error::other(format!("it is {what}"))),
+        None => Ok(()),
     }
-    Err(std::io::Error::other(if metadata.is_dir() { "it is a folder" } else { "it is not a regular file" }))
+}
+
+/// What something is that is no regular file.
+fn irregular(metadata: &std::fs::Metadata) -> Option<&'static str> {
+    let what = if metadata.is_dir() { "a folder" } else { "not a regular file" };
+    (!metadata.is_file()).then_some(what)
 }
 
 /// Opens a regular file of at most `limit` bytes. Pipes, devices and folders are refused before they can block.
@@ -24,8 +29,7 @@ pub(crate) fn open(path: &Path, limit: u64) -> Result<File> {
     let fail = |error| Error::io(path, "cannot open the file", error);
     let refuse = |message: String| Error::new(ErrorKind::Io, message).in_file(Some(path), 0);
     let check = |metadata: std::fs::Metadata| {
-        if !metadata.is_file() {
-            let what = if metadata.is_dir() { "a folder" } else { "not a regular file" };
+        if let Some(what) = irregular(&metadata) {
             return Err(refuse(format!("cannot open the file: it is {what}")));
         }
         if metadata.len() > limit {

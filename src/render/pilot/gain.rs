@@ -215,9 +215,9 @@ impl Model {
 
 /// The gain of other ways than the first, by the squares' costs in so many ways with few light samples. `light`: number of light paths for
 /// each sample of all pixels, and their number of rays for the samples of the squares. `ray`: see [`Model::of`].
-pub(super) fn compare(squares: Vec<Square>, ways: usize, light: Option<(u32, f64)>, ray: f64) -> Found {
+pub(super) fn compare(squares: &[Square], ways: usize, light: Option<(u32, f64)>, ray: f64) -> Found {
     let rays = squares.iter().flat_map(|square| &square.costs).map(|cost| cost.rays).sum();
-    let model = Model::of(&squares, ways, light, ray);
+    let model = Model::of(squares, ways, light, ray);
     // Black squares, and those without noise, gain nothing.
     let gain = |before: f64, after: f64| if before > 0.0 { before / after.max(f64::MIN_POSITIVE) } else { 0.0 };
     let gain_of_second = |costs: &[(f64, u32)]| match costs {
@@ -266,11 +266,11 @@ mod tests {
 
     #[test]
     fn the_gain_is_that_of_errors_over_that_of_rays() {
-        let found = compare(squares(&[[[0.3, 0.01], [0.1, 0.01]]; 36], [100, 300]), 2, None, 1.0);
+        let found = compare(&squares(&[[[0.3, 0.01], [0.1, 0.01]]; 36], [100, 300]), 2, None, 1.0);
         assert!((found.sharing - 3.0 / 1.9).abs() < 1e-12, "{found:?}");
         assert_eq!(found.rays, 36 * 400);
         assert!(found.shares() && !found.traces_light());
-        assert!(!compare(squares(&[[[0.3, 0.01], [0.2, 0.01]]; 36], [100, 300]), 2, None, 1.0).shares());
+        assert!(!compare(&squares(&[[[0.3, 0.01], [0.2, 0.01]]; 36], [100, 300]), 2, None, 1.0).shares());
     }
 
     #[test]
@@ -278,22 +278,22 @@ mod tests {
         let mut errors = [[[0.3, 0.01], [0.1, 0.01]]; 36];
         errors[7][1] = [1e6, 9e5];
         errors[20][0] = [1e9, 9e8];
-        let found = compare(squares(&errors, [100, 100]), 2, None, 1.0);
+        let found = compare(&squares(&errors, [100, 100]), 2, None, 1.0);
         // One of 36 squares is four times as bad, another four times as good.
         let expected = (35.0 * 0.3 + 4.0 * 0.1) / (35.0 * 0.1 + 4.0 * 0.3);
         assert!((found.sharing - expected).abs() < 1e-12, "{found:?}");
         // Both ways have the same few noisy pixels, as at the edges of lamps.
         errors[7] = [[300.0, 200.0]; 2];
-        assert!(compare(squares(&errors, [100, 100]), 2, None, 1.0).sharing < 1.1);
+        assert!(compare(&squares(&errors, [100, 100]), 2, None, 1.0).sharing < 1.1);
     }
 
     #[test]
     fn squares_without_light_or_noise_share_nothing() {
-        let of = |errors, rays| compare(squares(&[errors; 36], rays), 2, None, 1.0).shares();
+        let of = |errors, rays| compare(&squares(&[errors; 36], rays), 2, None, 1.0).shares();
         assert!(!of([[0.0; 2]; 2], [100, 100]));
         assert!(!of([[0.0; 2]; 2], [0, 0]));
         assert!(of([[0.1, 0.0], [0.0; 2]], [100, 100]));
-        let dark = compare(squares(&[[[0.0; 2]; 2]; 36], [100, 100]), 2, Some((10, 5.0)), 1.0);
+        let dark = compare(&squares(&[[[0.0; 2]; 2]; 36], [100, 100]), 2, Some((10, 5.0)), 1.0);
         assert!(!dark.shares() && !dark.traces_light(), "{dark:?}");
     }
 
@@ -304,7 +304,7 @@ mod tests {
             let mut squares = squares(&[errors; 36], [100, 300]);
             let error = ErrorEstimate { value: more, standard_error: 1e-3 * more };
             squares.iter_mut().step_by(2).for_each(|square| square.costs.push(Cost { error, rays: rays as u64 }));
-            compare(squares, 2, None, 1.0)
+            compare(&squares, 2, None, 1.0)
         };
         // Of 0.1, 0.08 are of light samples: 0.1 (A + B / n) (T + n t) is least for 4 of 1, 2, 4 and 8.
         let found = tried([[0.3, 0.01], [0.1, 0.001]], [0.04, 360.0]);
@@ -322,13 +322,13 @@ mod tests {
         // Sharing takes the noise of what is not shared to account.
         let apart = tried([[0.2, 0.001], [0.15, 0.001]], [0.0395, 360.0]);
         assert!(apart.shares() && apart.first_shadow_rays == 8, "{apart:?}");
-        assert!(!compare(squares(&[[[0.2, 0.001], [0.15, 0.001]]; 36], [100, 300]), 2, None, 1.0).shares());
+        assert!(!compare(&squares(&[[[0.2, 0.001], [0.15, 0.001]]; 36], [100, 300]), 2, None, 1.0).shares());
         // A square that met rare bright paths once does not decide.
         let mut few = squares(&[[[0.3, 0.01], [0.1, 0.001]]; 36], [100, 300]);
         let cost = |value, standard_error| Cost { error: ErrorEstimate { value, standard_error }, rays: 360 };
         few.iter_mut().for_each(|square| square.costs.push(cost(0.04, 1e-3)));
         few[3].costs[2] = cost(1e6, 9e5);
-        assert_eq!(compare(few, 2, None, 1.0).first_shadow_rays, 4);
+        assert_eq!(compare(&few, 2, None, 1.0).first_shadow_rays, 4);
     }
 
     /// Squares in which light paths tell of caustics, in both ways.
@@ -347,20 +347,20 @@ mod tests {
         };
         let errors = [[0.1, 0.001], [0.08, 0.001]];
         // A few light rays beside 3600 of paths: as many of them as make their noise small.
-        let found = compare(with_caustics(errors, [caustics(0.9, 0.1); 2]), 2, Some((10, 36.0)), 1.0);
+        let found = compare(&with_caustics(errors, [caustics(0.9, 0.1); 2]), 2, Some((10, 36.0)), 1.0);
         assert!(found.traces_light() && !found.shares(), "{found:?}");
         let with = |times: f64, noise: f64| (0.1 + noise) * (1.0 + TIME_OF_A_LIGHT_RAY * times * 0.01);
         assert_eq!(found.count, 80);
         assert!((found.light - 1.0 / with(8.0, 0.0125)).abs() < 1e-9, "{found:?}");
         // Where they are little of it, they are not worth their time, and sharing is chosen as without.
         let errors = [[0.3, 0.001], [0.1, 0.001]];
-        let found = compare(with_caustics(errors, [caustics(0.01, 0.001); 2]), 2, Some((10, 36.0)), 1.0);
+        let found = compare(&with_caustics(errors, [caustics(0.01, 0.001); 2]), 2, Some((10, 36.0)), 1.0);
         assert!(!found.traces_light() && found.shares(), "{found:?}");
         // Both.
-        let found = compare(with_caustics(errors, [caustics(0.9, 0.1), caustics(0.6, 0.1)]), 2, Some((10, 36.0)), 1.0);
+        let found = compare(&with_caustics(errors, [caustics(0.9, 0.1), caustics(0.6, 0.1)]), 2, Some((10, 36.0)), 1.0);
         assert!(found.traces_light() && found.shares(), "{found:?}");
         // Light rays that take longer than all paths.
-        let found = compare(with_caustics(errors, [caustics(0.1, 0.01); 2]), 2, Some((10, 36000.0)), 1.0);
+        let found = compare(&with_caustics(errors, [caustics(0.1, 0.01); 2]), 2, Some((10, 36000.0)), 1.0);
         assert!(!found.traces_light(), "{found:?}");
     }
 

@@ -69,7 +69,7 @@ pub(super) fn pilot(input: &PassInput, undecided: &Undecided, parallel: &mut imp
     if undecided.first_shadow_rays {
         methods.extend(methods.last().map(|(method, _)| (method.clone(), few * SAMPLES_TRIED)));
     }
-    let aims = methods.iter().map(|(method, _)| match method {
+    let aims = methods[..kinds].iter().map(|(method, _)| match method {
         Method::Reuse(reuse) => Some(reuse.aims().clone()),
         _ => None,
     });
@@ -98,7 +98,7 @@ pub(super) fn pilot(input: &PassInput, undecided: &Undecided, parallel: &mut imp
     let mut light_rays = (0, 1);
     if let Some(paths) = &undecided.light {
         let count = (samples / SAMPLES_A_LIGHT_PATH).clamp(u64::from(PATHS_A_BLOCK), MOST_LIGHT_PATHS) as u32;
-        let rays = trace_light(&input, paths, count, (&aims, kinds), &mut squares, parallel)?;
+        let rays = trace_light(&input, paths, count, &aims, &mut squares, parallel)?;
         light_rays = (rays, count);
     }
     let pixels = input.desc.resolution.map(f64::from).iter().product::<f64>();
@@ -108,21 +108,22 @@ pub(super) fn pilot(input: &PassInput, undecided: &Undecided, parallel: &mut imp
         (paths.count(), rays * f64::from(across * across * SQUARE * SQUARE * SAMPLES))
     });
     let ray = if matches!(input.method, Method::Reuse(_)) { TIME_OF_A_RAY_AMONG_SHARED } else { 1.0 };
-    let mut found = compare(squares, kinds, light, ray);
+    let mut found = compare(&squares, kinds, light, ray);
     found.rays += light_rays.0;
     Ok(found)
 }
 
-/// Traces light paths, and adds what they tell to the squares where they arrive. `aims` are those of each way, `kinds` the number of ways
-/// that all squares have.
+/// Traces light paths, and adds what they tell to the squares where they arrive. `aims` are those of each way that all
+/// squares have.
 fn trace_light(
     input: &PassInput,
     paths: &LightPaths,
     count: u32,
-    (aims, kinds): (&[Option<Aims>], usize),
+    aims: &[Option<Aims>],
     squares: &mut [Square],
     parallel: &mut impl Parallel,
 ) -> Result<u64> {
+    let kinds = aims.len();
     let origins: Vec<[u32; 2]> = squares.iter().map(|square| square.origin).collect();
     let (scene, paths, aims, token) = (input.scene.clone(), paths.clone(), aims.to_vec(), parallel.token());
     let shares = f64::from(paths.count()) / f64::from(count);
