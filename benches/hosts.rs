@@ -4,7 +4,7 @@
 //! (`make meshes`):
 //!
 //! - rays/s of `etd_scene_intersect` for many rays and for one ray a call, against the same queries in Rust and against
-//!   the bare search without normals;
+//!   the bare search without normals, and against Embree's own call; the same of `etd_scene_query` by what is wanted and threads;
 //! - what it takes to map a film of 4K pixels;
 //! - time from an edit to the end of the first pass of the next render, against the time of a whole build;
 //! - time from `etd_task_cancel` to the end of the task, over all integrators, phases and random moments.
@@ -160,8 +160,72 @@ fn queries(path: &str) {
             black_box(scene.intersect(ray));
         }
     });
+    let kernel = scene.kernel().expect("a scene with triangles");
+    let raw = fastest(|| {
+        for ray in &in_scene {
+            black_box(kernel.intersect(ray));
+        }
+    });
+    let raw_occluded = fastest(|| {
+        for ray in &in_scene {
+            black_box(kernel.occluded(ray));
+        }
+    });
+    let mut blocked = vec![0_u8; rays.len()];
+    let occluded = fastest(|| {
+        // SAFETY: as many answers as rays.
+        check(unsafe { etd_scene_occluded(host.scene, rays.as_ptr(), rays.len(), blocked.as_mut_ptr()) });
+    });
+    let query = |threads: u32, host: &Host, want: &dyn Fn(&mut etd_ray_query)| {
+        let mut query = etd_ray_query {
+            count: rays.len(),
+            threads,
+            origins: rays[0].origin.as_ptr(),
+            origins_stride: size_of::<etd_ray>(),
+            directions: rays[0].direction.as_ptr(),
+            directions_stride: size_of::<etd_ray>(),
+            ..sized()
+        };
+        want(&mut query);
+        // SAFETY: the columns have as many values as there are rays.
+        fastest(|| check(unsafe { etd_scene_query(host.scene, &raw const query) }))
+    };
+    let (mut t, mut surfaces, mut primitives) = (vec![0.0; rays.len()], vec![0; rays.len()], vec![0; rays.len()]);
+    let mut normals = vec![[0.0; 3]; rays.len()];
+    let (t, surfaces, primitives) = (t.as_mut_ptr(), surfaces.as_mut_ptr(), primitives.as_mut_ptr());
+    let normals = normals.as_mut_ptr().cast();
+    type Want<'a> = &'a dyn Fn(&mut etd_ray_query);
+    let wants: [(&str, Want<'_>); 3] = [
+        ("t", &|query| query.t = t),
+        ("t, surface, primitive", &|query| (query.t, query.surfaces, query.primitives) = (t, surfaces, primitives)),
+        ("t, ng", &|query| (query.t, query.ng) = (t, normals)),
+    ];
+    let two = Host::new(path, 2);
+    two.commit();
     let rate = |seconds: f64| rays.len() as f64 / seconds / 1e6;
     println!("{path}: {} rays, one thread", rays.len());
+    println!(
+        "  rtcIntersect1 of the scene's kernel   {:6.2} Mrays/s; rtcOccluded1 {:.2}",
+        rate(raw),
+        rate(raw_occluded)
+    );
+    println!(
+        "  etd_scene_occluded                    {:6.2} Mrays/s = {:.3} of it",
+        rate(occluded),
+        raw_occluded / occluded
+    );
+    println!("  etd_scene_intersect, all in one call  {:6.2} Mrays/s = {:.3} of it", rate(batch), raw / batch);
+    println!("  etd_scene_intersect, one ray a call   {:6.2} Mrays/s = {:.3} of it", rate(single), raw / single);
+    for (name, want) in wants {
+        let (one, both) = (query(1, &host, want), query(2, &two, want));
+        println!(
+            "  etd_scene_query, {name:22} {:6.2} Mrays/s = {:.3} of it; two threads {:6.2} = {:.2} times",
+            rate(one),
+            raw / one,
+            rate(both),
+            one / both
+        );
+    }
     println!("  etd_scene_intersect, all in one call  {:6.2} Mrays/s = {:.3} of Rust", rate(batch), rust / batch);
     println!("  etd_scene_intersect, one ray a call   {:6.2} Mrays/s = {:.3} of Rust", rate(single), rust / single);
     println!("  Scene::intersect and describe_hit     {:6.2} Mrays/s", rate(rust));
@@ -284,6 +348,94 @@ fn edits(path: &str) {
     unsafe { etd_film_release(film) };
 }
 
+/// What an edit of a scene of many small surfaces costs, in milliseconds with the commit: the move of one of a hundred instances, a
+/// material and the camera, beside a build.
+fn many_surfaces(triangles: bool) {
+    let what = if triangles { "triangles" } else { "spheres" };
+    println!(
+        "100 instances and single {what}: build, move of an instance, of a {}, material, camera [ms]",
+        &what[..what.len() - 1]
+    );
+    for count in [0_u32, 1000, 10_000, 50_000, 200_000] {
+        let mut host = Host { device: null_mut(), scene: null_mut() };
+        let options = etd_device_options { threads: 0, ..sized() };
+        let scene_options = etd_scene_options { usage: ETD_USAGE_DYNAMIC as u32, ..sized() };
+        let mut number = 0;
+        // SAFETY: all pointers are to what they say.
+        unsafe {
+            check(etd_device_new(&raw const options, &raw mut host.device));
+            check(etd_scene_new(host.device, &raw const scene_options, &raw mut host.scene));
+            let material = etd_material { bsdf: ETD_BSDF_LAMBERT as u32, color: [0.5; 3], ..sized() };
+            check(etd_scene_add_material(host.scene, c"grey".as_ptr(), &raw const material, &raw mut number));
+            let side = 20_u32;
+            let positions: Vec<[f32; 3]> =
+                (0..=side * side).map(|i| [(i % side) as f32 * 0.05, (i / side) as f32 * 0.05, 0.0]).collect();
+            let indices: Vec<[u32; 3]> = (0..side * (side - 1) - 1).map(|i| [i, i + 1, i + side]).collect();
+            let mesh = etd_mesh {
+                positions: positions.as_ptr().cast(),
+                vertex_count: positions.len(),
+                indices: indices.as_ptr().cast(),
+                triangle_count: indices.len(),
+                ..sized()
+            };
+            let mut mesh_number = 0;
+            check(etd_scene_add_mesh(host.scene, &raw const mesh, &raw mut mesh_number));
+            let mut surface = etd_surface { material: 0, ..sized() };
+            surface.transform = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+            for i in 0..100 {
+                surface.transform[3] = 2.0 * f64::from(i);
+                check(etd_scene_add_mesh_surface(host.scene, mesh_number, 0, &raw const surface, &raw mut number));
+            }
+            surface.transform[3] = 0.0;
+            let mut rng = Rng::new(3, 0);
+            for _ in 0..count {
+                let mut next = || f64::from(rng.next_f32());
+                let centre = [200.0 * next(), 20.0 * next(), -1.0 - 20.0 * next()];
+                if triangles {
+                    let [x, y, z] = centre;
+                    let corners = [[x, y, z], [x + 0.1, y, z], [x, y + 0.1, z]];
+                    let corners = corners.as_ptr().cast();
+                    check(etd_scene_add_triangle(host.scene, corners, &raw const surface, &raw mut number));
+                } else {
+                    check(etd_scene_add_sphere(host.scene, centre.as_ptr(), 0.05, &raw const surface, &raw mut number));
+                }
+            }
+            let start = Instant::now();
+            host.commit();
+            let build = 1e3 * start.elapsed().as_secs_f64();
+            let edit = |change: &dyn Fn(usize)| {
+                let time = |round| {
+                    let start = Instant::now();
+                    change(round);
+                    host.commit();
+                    1e3 * start.elapsed().as_secs_f64()
+                };
+                median((0..ROUNDS).map(time).collect())
+            };
+            let shifted = |number: u32| {
+                move |round: usize| {
+                    let rows = [1.0, 0.0, 0.0, 0.01 * (round + 1) as f64, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+                    check(etd_scene_set_transform(host.scene, number, rows.as_ptr()));
+                }
+            };
+            let instance = edit(&shifted(0));
+            let small = if count > 0 { edit(&shifted(100 + count / 2)) } else { f64::NAN };
+            let material = edit(&|round| {
+                let color = [0.1 + 0.05 * round as f32; 3];
+                let material = etd_material { bsdf: ETD_BSDF_LAMBERT as u32, color, ..sized() };
+                check(etd_scene_set_material(host.scene, 0, &raw const material));
+            });
+            let camera = edit(&|round| {
+                let mut camera: etd_camera = sized();
+                check(etd_scene_get_camera(host.scene, &raw mut camera));
+                camera.origin = [1.0 + 0.01 * round as f64, 0.0, 5.0];
+                check(etd_scene_set_camera(host.scene, &raw const camera));
+            });
+            println!("  {count:7}: {build:8.2} {instance:8.3} {small:8.3} {material:8.3} {camera:8.3}");
+        }
+    }
+}
+
 fn cancelling(scenes: &[&str]) {
     let mut rng = Rng::new(9, 0);
     let mut building = Vec::new();
@@ -348,6 +500,8 @@ fn main() {
         queries(million);
     }
     mapping();
+    many_surfaces(false);
+    many_surfaces(true);
     edits("scenes/room.json");
     if has_million {
         edits(million);

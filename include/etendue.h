@@ -91,6 +91,9 @@
 #define ETD_ATLAS_OPTIONS_INIT {sizeof(etd_atlas_options), 0, 0, 0, 0, ETD_ATLAS_LAYOUT_AUTO, 0, 0, NULL, NULL}
 #define ETD_ATLAS_INFO_INIT {sizeof(etd_atlas_info), 0, 0, 0, 0, 0, 0, 0, 0}
 #define ETD_BAKE_TARGET_INIT {sizeof(etd_bake_target), NULL, NULL, 0, 0, 0, ETD_SIDE_FRONT, 0}
+#define ETD_RAY_QUERY_INIT \
+    {sizeof(etd_ray_query), 0, 0, 0, NULL, 0, NULL, 0, NULL, 0, NULL, 0, NULL, 0, NULL, 0, NULL, 0, NULL, 0, NULL, 0, \
+     NULL, 0, NULL, 0, NULL, 0, NULL, 0, NULL, 0, NULL, 0, NULL, 0}
 #define ETD_DEVICE_INFO_INIT {sizeof(etd_device_info), 0, 0, 0, 0, NULL, 0}
 #define ETD_SCENE_INFO_INIT {sizeof(etd_scene_info), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, {0, 0, 0}, {0, 0, 0}, 0, 0, 0}
 
@@ -3449,6 +3452,164 @@ typedef struct etd_hit {
 } etd_hit;
 
 /**
+ * Rays to trace, and what is wanted of their hits, for `etd_scene_query`.
+ *
+ * Each kind of value is a column: a pointer to the value of the first ray, and the number of bytes from the value of one ray to
+ * that of the next, 0 for values without gaps. Columns may be arrays of their own or members of the host's structures, as in
+ * `query.ng = &hits[0].normal.x; query.ng_stride = sizeof hits[0];`. A column that is NULL is not read or not computed. Values
+ * that are written may overlap nothing.
+ */
+typedef struct etd_ray_query {
+    /**
+     * `sizeof(etd_ray_query)`, set by the caller (`ETD_RAY_QUERY_INIT`).
+     */
+    size_t struct_size;
+    /**
+     * Number of rays.
+     */
+    size_t count;
+    /**
+     * Greatest number of the device's threads that trace the rays. 0 and 1 stand for the calling thread alone, which few rays
+     * never leave.
+     */
+    uint32_t threads;
+    /**
+     * 0.
+     */
+    uint32_t reserved;
+    /**
+     * Three floats a ray: where its t is 0, world frame.
+     */
+    const float *origins;
+    /**
+     * Bytes from one origin to the next.
+     */
+    size_t origins_stride;
+    /**
+     * Three floats a ray: direction of any length except zero. The length is the unit of t.
+     */
+    const float *directions;
+    /**
+     * Bytes from one direction to the next.
+     */
+    size_t directions_stride;
+    /**
+     * Starts of the segments, >= 0; NULL for 0.
+     */
+    const float *tnear;
+    /**
+     * Bytes from one start to the next.
+     */
+    size_t tnear_stride;
+    /**
+     * Ends of the segments, which may be infinite; NULL for infinity.
+     */
+    const float *tfar;
+    /**
+     * Bytes from one end to the next.
+     */
+    size_t tfar_stride;
+    /**
+     * Moments in [0, 1] of the shutter interval, of a scene with motion; NULL for 0, the opening.
+     */
+    const float *times;
+    /**
+     * Bytes from one moment to the next.
+     */
+    size_t times_stride;
+    /**
+     * A byte a ray: where it is 0, the ray is not traced, and nothing is written for it. NULL for all rays.
+     */
+    const uint8_t *active;
+    /**
+     * Bytes from one ray's byte to the next.
+     */
+    size_t active_stride;
+    /**
+     * A byte a ray: 1 where anything is in the segment, otherwise 0. If nothing else is wanted, rays end at any surface, which is
+     * faster than to look for the first.
+     */
+    uint8_t *occluded;
+    /**
+     * Bytes from one answer to the next.
+     */
+    size_t occluded_stride;
+    /**
+     * Distance of the first hit in lengths of the direction, infinite without a hit.
+     */
+    float *t;
+    /**
+     * Bytes from one distance to the next.
+     */
+    size_t t_stride;
+    /**
+     * Three doubles a ray: the point that is hit, world frame. It is computed on the surface, so its error does not grow with the
+     * length of the ray. Without a hit 0, as all that follows unless it says otherwise.
+     */
+    double *positions;
+    /**
+     * Bytes from one position to the next.
+     */
+    size_t positions_stride;
+    /**
+     * Two floats a ray, as `etd_hit.barycentric`.
+     */
+    float *barycentric;
+    /**
+     * Bytes from one pair of weights to the next.
+     */
+    size_t barycentric_stride;
+    /**
+     * Two floats a ray, as `etd_hit.uv`.
+     */
+    float *uv;
+    /**
+     * Bytes from one pair of coordinates to the next.
+     */
+    size_t uv_stride;
+    /**
+     * Three floats a ray, as `etd_hit.ng`.
+     */
+    float *ng;
+    /**
+     * Bytes from one geometric normal to the next.
+     */
+    size_t ng_stride;
+    /**
+     * Three floats a ray, as `etd_hit.ns`.
+     */
+    float *ns;
+    /**
+     * Bytes from one shading normal to the next.
+     */
+    size_t ns_stride;
+    /**
+     * Numbers of the surfaces; `ETD_NONE` without a hit.
+     */
+    uint32_t *surfaces;
+    /**
+     * Bytes from one surface to the next.
+     */
+    size_t surfaces_stride;
+    /**
+     * Numbers of the surfaces' materials; `ETD_NONE` for a surface without one, and without a hit.
+     */
+    uint32_t *materials;
+    /**
+     * Bytes from one material to the next.
+     */
+    size_t materials_stride;
+    /**
+     * As `etd_hit.primitive`.
+     */
+    uint32_t *primitives;
+    /**
+     * Bytes from one primitive to the next.
+     */
+    size_t primitives_stride;
+} etd_ray_query;
+
+/**
  * Options for the layout of a light map. 0 in a field always stands for the default.
  */
 typedef struct etd_atlas_options {
@@ -4729,8 +4890,9 @@ etd_status etd_task_status(struct etd_task *task,
  * `hits`: receives one hit for each ray, in the order of the rays. Rays that cannot be traced hit nothing: those with NaN or
  * infinity in origin or direction, a zero direction, or a negative or NaN interval. All other rays are still traced, and the
  * call then returns `ETD_INVALID_ARGUMENT` with a message about the first ray that cannot be traced. Error:
- * `ETD_INVALID_OPERATION` before the first build. The call traces all rays on the calling thread. Any number of threads may
- * call it at the same time, so a host may divide large batches over its own threads. Thread-safe.
+ * `ETD_INVALID_OPERATION` before the first build. Many rays in a call are faster than a call for each. The call traces all rays on
+ * the calling thread. Any number of threads may call it at the same time; `etd_scene_query` uses several threads by itself, and
+ * computes only what is wanted. Thread-safe.
  */
 etd_status etd_scene_intersect(const struct etd_scene *scene,
                                const struct etd_ray *rays,
@@ -4746,6 +4908,35 @@ etd_status etd_scene_occluded(const struct etd_scene *scene,
                               const struct etd_ray *rays,
                               size_t count,
                               uint8_t *occluded);
+
+/**
+ * Traces the rays of a query in the scene as last built, and writes what it wants of their hits.
+ *
+ * Only what is wanted is computed: numbers of surfaces, for example, need no data of the triangle that was hit. Results are the
+ * same for any number of threads, and those of `etd_scene_intersect`. Rays that cannot be traced are as there; one at a time outside
+ * [0, 1] cannot be traced either. A query of threads shares these with the renders of the device, with which it takes turns. Errors:
+ * `ETD_INVALID_OPERATION` before the first build, `ETD_INVALID_ARGUMENT` for a column that is not aligned or has a wrong stride, and
+ * for rays without origins or directions. Thread-safe.
+ */
+etd_status etd_scene_query(const struct etd_scene *scene,
+                           const struct etd_ray_query *query);
+
+/**
+ * Makes the rays that the camera of the scene as last built sends through the pixels of a film of `width` x `height`.
+ *
+ * With `etd_scene_query` they give images that a film does not keep, at the cost of a ray a pixel: numbers of surfaces, materials and
+ * triangles, positions, texture coordinates. `offset`: place in the pixel from its top left corner, two floats in [0, 1]; NULL for the
+ * middle. `rays`: receives `width` * `height` rays, row by row from the top, of unit direction and without an end. Rays of a lens go
+ * through its middle, and a camera that moves is where it is as the shutter opens. A pixel that shows nothing, beside the circle of a
+ * fisheye, has a ray that ends where it begins. Origins are rounded to single precision. Errors: `ETD_INVALID_OPERATION` before the
+ * first build, `ETD_INVALID_ARGUMENT` for a resolution or an offset out of range, `ETD_INVALID_SCENE` where the camera makes no image
+ * of this shape. Thread-safe.
+ */
+etd_status etd_scene_camera_rays(const struct etd_scene *scene,
+                                 uint32_t width,
+                                 uint32_t height,
+                                 const float *offset,
+                                 struct etd_ray *rays);
 
 /**
  * Makes an atlas: lays out all surfaces of a scene in one square light map. A scene that has changed is built first.

@@ -1265,6 +1265,14 @@ public:
         const etd_status status = etd_scene_intersect(get(), &ray, 1, &hit);
         return detail::give(status, std::move(hit));
     }
+    /** Makes the camera's rays through the middles of the pixels of a film, row by row from the top. There are width * height rays;
+     *  `ETD_INVALID_ARGUMENT` if not. */
+    Outcome<void> camera_rays(std::uint32_t width, std::uint32_t height, span<etd_ray> rays) const {
+        if (rays.size() != static_cast<std::size_t>(width) * height) {
+            return detail::refuse<void>("rays and pixels are not of the same number");
+        }
+        return detail::done(etd_scene_camera_rays(get(), width, height, nullptr, rays.data()));
+    }
     /** Finds for each ray whether anything is in its segment (1) or not (0). There are as many answers as rays;
      *  `ETD_INVALID_ARGUMENT` if not. */
     Outcome<void> occluded(span<const etd_ray> rays, span<std::uint8_t> answers) const {
@@ -1273,6 +1281,8 @@ public:
         }
         return detail::done(etd_scene_occluded(get(), rays.data(), rays.size(), answers.data()));
     }
+    /** Traces the rays of a query and writes what it wants of their hits. */
+    Outcome<void> query(const etd_ray_query &query) const { return detail::done(etd_scene_query(get(), &query)); }
     /** Whether anything is in a ray's segment. */
     Outcome<bool> occluded(const etd_ray &ray) const {
         std::uint8_t answer = 0;

@@ -106,6 +106,12 @@ enum Call {
     Occluded {
         rays: Vec<[f32; 8]>,
     },
+    Query {
+        rays: Vec<[f32; 8]>,
+        threads: u16,
+        strides: [u8; 2],
+        wanted: u16,
+    },
     Text {
         which: u8,
         capacity: u8,
@@ -830,6 +836,37 @@ impl World {
                     let rays = as_rays(&rays);
                     let mut occluded = vec![0; rays.len()];
                     fine(etd_scene_occluded(scene, rays.as_ptr(), rays.len(), occluded.as_mut_ptr()));
+                }
+                Call::Query { rays, threads, strides, wanted } => {
+                    let rays = as_rays(&rays);
+                    let Some(first) = rays.first() else { continue };
+                    // Room for the greatest stride that is not refused.
+                    let mut floats = vec![0.0_f32; 64 * rays.len() + 64];
+                    let mut doubles = vec![0.0_f64; 64 * rays.len() + 64];
+                    let (t, positions) = (floats.as_mut_ptr(), doubles.as_mut_ptr());
+                    let mut numbers = vec![0_u32; rays.len()];
+                    let mut answers = vec![0_u8; rays.len()];
+                    let wants = |bit: u16| wanted & (1 << bit) != 0;
+                    let query = etd_ray_query {
+                        count: rays.len(),
+                        threads: threads.into(),
+                        origins: first.origin.as_ptr(),
+                        origins_stride: size_of::<etd_ray>(),
+                        directions: first.direction.as_ptr(),
+                        directions_stride: size_of::<etd_ray>(),
+                        tnear: if wants(0) { &raw const first.tnear } else { null() },
+                        tnear_stride: size_of::<etd_ray>(),
+                        times: if wants(1) { &raw const first.tfar } else { null() },
+                        times_stride: size_of::<etd_ray>(),
+                        t: if wants(2) { t } else { null_mut() },
+                        t_stride: strides[0].into(),
+                        positions: if wants(3) { positions } else { null_mut() },
+                        positions_stride: strides[1].into(),
+                        surfaces: if wants(4) { numbers.as_mut_ptr() } else { null_mut() },
+                        occluded: if wants(5) { answers.as_mut_ptr() } else { null_mut() },
+                        ..sized()
+                    };
+                    fine(etd_scene_query(scene, &raw const query));
                 }
                 Call::Text { which, capacity } => {
                     let mut buffer = vec![0; usize::from(capacity)];

@@ -1,57 +1,30 @@
 //! Ray queries of hosts, for picking, visibility and collision.
 
-use super::boundary::{items, need, on_quickly};
+use std::ptr::null_mut;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use super::boundary::{array, items, need, on, on_quickly, read_sized};
+use super::host_rays::{HostRay, HostRays, RayArray, trace};
+use super::ray_columns::RayColumns;
 use super::scene::etd_scene;
 use super::status::{Failure, Result, etd_status};
-use super::types::{ETD_NONE, etd_hit, etd_ray};
-use crate::math::{DVec3, Ray, Vec3};
+use super::types::{etd_hit, etd_ray, etd_ray_query};
+use crate::camera::Camera;
+use crate::desc::MAX_PIXELS;
+use crate::render::{MAX_THREADS, Workers};
 use crate::scene::Scene;
 
-/// Range of the largest component of a direction. Within it, products of three lengths neither overflow nor underflow in
-/// Embree.
-const LENGTHS: std::ops::RangeInclusive<f32> = 1e-6..=1e6;
-
-/// Converts a ray to the scene frame. The second value is the factor from the host's t to that of the converted ray.
-#[inline]
-fn in_scene(ray: &etd_ray, centre: DVec3) -> (Ray, f32) {
-    let direction = Vec3::from_array(ray.direction);
-    let origin = (DVec3::from_array(ray.origin.map(f64::from)) - centre).as_vec3a();
-    let length = direction.abs().max_element();
-    if LENGTHS.contains(&length) {
-        return (Ray { tnear: ray.tnear, ..Ray::segment(origin, direction, ray.tfar) }, 1.0);
-    }
-    rescaled(ray, origin, length)
-}
-
-/// Scales a ray of a very long or very short direction to a direction of about unit length.
-#[cold]
-fn rescaled(ray: &etd_ray, origin: Vec3, length: f32) -> (Ray, f32) {
-    let scale = f64::from(length);
-    let direction = Vec3::from_array(ray.direction.map(|d| (f64::from(d) / scale) as f32));
-    // Values beyond single precision become infinite, or 0.
-    let (tnear, tfar) = ((f64::from(ray.tnear) * scale) as f32, (f64::from(ray.tfar) * scale) as f32);
-    (Ray { tnear, ..Ray::segment(origin, direction, tfar) }, length)
-}
-
-/// The result for a ray that hits nothing.
-const MISS: etd_hit = etd_hit {
-    t: f32::INFINITY,
-    barycentric: [0.0; 2],
-    uv: [0.0; 2],
-    ng: [0.0; 3],
-    ns: [0.0; 3],
-    surface: ETD_NONE,
-    material: ETD_NONE,
-    primitive: 0,
-};
+/// Rays that a thread takes at a time. A thread is worth waking for not much fewer.
+const SHARE: usize = 2048;
 
 /// Finds the first hit of each of `count` rays, in the scene as last built.
 ///
 /// `hits`: receives one hit for each ray, in the order of the rays. Rays that cannot be traced hit nothing: those with NaN or
 /// infinity in origin or direction, a zero direction, or a negative or NaN interval. All other rays are still traced, and the
 /// call then returns `ETD_INVALID_ARGUMENT` with a message about the first ray that cannot be traced. Error:
-/// `ETD_INVALID_OPERATION` before the first build. The call traces all rays on the calling thread. Any number of threads may
-/// call it at the same time, so a host may divide large batches over its own threads. Thread-safe.
+/// `ETD_INVALID_OPERATION` before the first build. Many rays in a call are faster than a call for each. The call traces all rays on
+/// the calling thread. Any number of threads may call it at the same time; `etd_scene_query` uses several threads by itself, and
+/// computes only what is wanted. Thread-safe.
 ///
 /// # Safety
 /// `count` rays must be readable and as many hits writable; `scene` must be NULL or a scene.
@@ -65,16 +38,11 @@ pub unsafe extern "C" fn etd_scene_intersect(
     // SAFETY: the caller keeps this function's contract.
     unsafe {
         on_quickly(scene, |scene| {
-            let rays = items(rays, count, "rays")?;
+            items(rays, count, "rays")?;
             if count > 0 {
                 need(hits, "hits")?;
             }
-            scene.with_built(|scene| {
-                for_each(rays, scene, |index, ray| {
-                    // A write through the pointer, because the memory need not be initialised.
-                    hits.add(index).write(ray.map_or(MISS, |(ray, length)| hit(scene, &ray, length)));
-                })
-            })?
+            scene.with_built(|scene| here(scene, &RayArray { rays, hits, occluded: null_mut() }, count))?
         })
     }
 }
@@ -95,51 +63,152 @@ pub unsafe extern "C" fn etd_scene_occluded(
     // SAFETY: the caller keeps this function's contract.
     unsafe {
         on_quickly(scene, |scene| {
-            let rays = items(rays, count, "rays")?;
+            items(rays, count, "rays")?;
             if count > 0 {
                 need(occluded, "occluded")?;
             }
+            scene.with_built(|scene| here(scene, &RayArray { rays, hits: null_mut(), occluded }, count))?
+        })
+    }
+}
+
+/// Traces the rays of a query in the scene as last built, and writes what it wants of their hits.
+///
+/// Only what is wanted is computed: numbers of surfaces, for example, need no data of the triangle that was hit. Results are the
+/// same for any number of threads, and those of `etd_scene_intersect`. Rays that cannot be traced are as there; one at a time outside
+/// [0, 1] cannot be traced either. A query of threads shares these with the renders of the device, with which it takes turns. Errors:
+/// `ETD_INVALID_OPERATION` before the first build, `ETD_INVALID_ARGUMENT` for a column that is not aligned or has a wrong stride, and
+/// for rays without origins or directions. Thread-safe.
+///
+/// # Safety
+/// All columns that are not NULL must be readable or writable for `count` rays; `scene` must be NULL or a scene.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_query(scene: *const etd_scene, query: *const etd_ray_query) -> etd_status {
+    // SAFETY: the caller keeps this function's contract.
+    unsafe {
+        on_quickly(scene, |scene| {
+            let query = read_sized(query, "query")?;
+            if query.reserved != 0 {
+                return Err(Failure::argument("query.reserved is not 0"));
+            }
+            let threads = query.threads as usize;
+            if threads > MAX_THREADS {
+                return Err(Failure::argument(format!("query.threads is {threads}, expected at most {MAX_THREADS}")));
+            }
+            let columns = RayColumns::of_query(&query)?;
+            let workers = &scene.device.workers;
+            let threads = threads.min(workers.threads()).min(columns.count.div_ceil(SHARE));
+            match threads {
+                0 | 1 => scene.with_built(|scene| here(scene, &columns, columns.count))?,
+                // The threads keep the scene, in case that the call waits for them no longer.
+                _ => on_threads(&scene.with_built(Scene::clone)?, columns, workers, threads),
+            }
+        })
+    }
+}
+
+/// Makes the rays that the camera of the scene as last built sends through the pixels of a film of `width` x `height`.
+///
+/// With `etd_scene_query` they give images that a film does not keep, at the cost of a ray a pixel: numbers of surfaces, materials and
+/// triangles, positions, texture coordinates. `offset`: place in the pixel from its top left corner, two floats in [0, 1]; NULL for the
+/// middle. `rays`: receives `width` * `height` rays, row by row from the top, of unit direction and without an end. Rays of a lens go
+/// through its middle, and a camera that moves is where it is as the shutter opens. A pixel that shows nothing, beside the circle of a
+/// fisheye, has a ray that ends where it begins. Origins are rounded to single precision. Errors: `ETD_INVALID_OPERATION` before the
+/// first build, `ETD_INVALID_ARGUMENT` for a resolution or an offset out of range, `ETD_INVALID_SCENE` where the camera makes no image
+/// of this shape. Thread-safe.
+///
+/// # Safety
+/// `offset` must be NULL or readable, `width` * `height` rays writable; `scene` must be NULL or a scene.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_camera_rays(
+    scene: *const etd_scene,
+    width: u32,
+    height: u32,
+    offset: *const f32,
+    rays: *mut etd_ray,
+) -> etd_status {
+    // SAFETY: the caller keeps this function's contract.
+    unsafe {
+        on(scene, |scene| {
+            let pixels = u64::from(width) * u64::from(height);
+            if pixels == 0 || pixels > MAX_PIXELS {
+                let message = format!("{width} x {height} pixels, expected at least 1 and at most {MAX_PIXELS}");
+                return Err(Failure::argument(message));
+            }
+            let [across, down] = if offset.is_null() { [0.5; 2] } else { array(offset, "offset")? };
+            if !(0.0..=1.0).contains(&across) || !(0.0..=1.0).contains(&down) {
+                return Err(Failure::argument(format!("offset is {across}, {down}, expected numbers in [0, 1]")));
+            }
+            need(rays, "rays")?;
             scene.with_built(|scene| {
-                for_each(rays, scene, |index, ray| {
-                    occluded.add(index).write(u8::from(ray.is_some_and(|(ray, _)| !scene.unoccluded(&ray))));
-                })
+                let camera = Camera::new(scene.camera(), [width, height], scene.centre())?;
+                let places = (0..height).flat_map(|y| (0..width).map(move |x| (x as f32 + across, y as f32 + down)));
+                for (number, (x, y)) in places.enumerate() {
+                    let ray = camera.ray(x, y);
+                    let ray = etd_ray {
+                        origin: (ray.origin.as_dvec3() + scene.centre()).as_vec3().to_array(),
+                        tnear: ray.tnear,
+                        direction: ray.direction.to_array(),
+                        tfar: if camera.sees(x, y) { ray.tfar } else { ray.tnear },
+                    };
+                    rays.add(number).write(ray);
+                }
+                Ok(())
             })?
         })
     }
 }
 
-/// Calls `answer` for every ray, with `None` for rays that cannot be traced. The error is about the first of these.
-#[inline]
-fn for_each(rays: &[etd_ray], scene: &Scene, mut answer: impl FnMut(usize, Option<(Ray, f32)>)) -> Result {
-    let centre = scene.centre();
-    let mut bad = None;
-    for (index, ray) in rays.iter().enumerate() {
-        let (ray, length) = in_scene(ray, centre);
-        let ok = ray.is_valid();
-        if !ok {
-            bad.get_or_insert(index);
+/// Traces all rays on the calling thread.
+///
+/// # Safety
+/// The contract of [`trace`].
+#[inline(always)]
+unsafe fn here(scene: &Scene, rays: &impl HostRays, count: usize) -> Result {
+    // SAFETY: the caller keeps this function's contract.
+    unsafe {
+        match trace(rays, scene, 0..count) {
+            None => Ok(()),
+            Some(number) => Err(untraceable(rays, number)),
         }
-        answer(index, ok.then_some((ray, length)));
-    }
-    match bad {
-        None => Ok(()),
-        Some(index) => Err(Failure::argument(format!("ray {index} cannot be traced: {:?}", rays[index]))),
     }
 }
 
-#[inline]
-fn hit(scene: &Scene, ray: &Ray, length: f32) -> etd_hit {
-    let Some(hit) = scene.intersect(ray) else { return MISS };
-    let it = scene.describe_hit(ray, &hit);
-    etd_hit {
-        // Infinity would mean that the ray hit nothing.
-        t: if length == 1.0 { it.t } else { ((f64::from(it.t) / f64::from(length)) as f32).min(f32::MAX) },
-        barycentric: it.barycentric,
-        uv: it.uv,
-        ng: it.ng.to_array(),
-        ns: it.ns.to_array(),
-        surface: it.surface,
-        material: it.material.unwrap_or(ETD_NONE),
-        primitive: it.primitive,
+/// Traces the rays on several threads.
+///
+/// # Safety
+/// The contract of [`trace`].
+unsafe fn on_threads(scene: &Scene, columns: RayColumns, workers: &Workers, threads: usize) -> Result {
+    let scene = scene.clone();
+    let next = AtomicUsize::new(0);
+    let bad = workers.map(threads, move |_| {
+        let mut bad = None;
+        loop {
+            let first = next.fetch_add(SHARE, Ordering::Relaxed).min(columns.count);
+            let rays = first..columns.count.min(first + SHARE);
+            if rays.is_empty() {
+                return bad;
+            }
+            // SAFETY: by the contract of the outer function, which does not return before all threads have ended this; no ray is
+            // in two shares.
+            bad = bad.or(unsafe { trace(&columns, &scene, rays) });
+        }
+    })?;
+    match bad.into_iter().flatten().min() {
+        None => Ok(()),
+        // SAFETY: by this function's contract.
+        Some(number) => Err(unsafe { untraceable(&columns, number) }),
     }
+}
+
+/// # Safety
+/// The ray must be readable.
+#[cold]
+unsafe fn untraceable(rays: &impl HostRays, number: usize) -> Failure {
+    // SAFETY: the caller keeps this function's contract.
+    let HostRay { origin, direction, tnear, tfar, time } = unsafe { rays.ray(number) };
+    let at_time = if time == 0.0 { String::new() } else { format!(", time {time:?}") };
+    Failure::argument(format!(
+        "ray {number} cannot be traced: origin {origin:?}, direction {direction:?}, tnear {tnear:?}, tfar {tfar:?}{at_time}"
+    ))
 }

@@ -29,6 +29,21 @@ pub(crate) struct WorkerPool<'a> {
     last: Instant,
 }
 
+impl Workers {
+    /// Calls `piece` with each number below `count` on all threads, and returns the results in the order of the numbers.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Internal`] if `piece` panicked, [`ErrorKind::Unsupported`] for a pool of the process that this one was forked
+    /// from.
+    pub fn map<R, F>(&self, count: usize, piece: F) -> Result<Vec<R>>
+    where
+        R: Send + 'static,
+        F: Fn(usize) -> R + Send + Sync + 'static,
+    {
+        WorkerPool::new(self, &Cancel::new(), None, &mut |_| false).map(count, piece)
+    }
+}
+
 /// The progress callback is called at once when the fraction that is done has grown by this much.
 const STEP: f64 = 1.0 / 64.0;
 

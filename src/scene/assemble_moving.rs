@@ -9,7 +9,7 @@ use super::assemble::Assembler;
 use super::geometry::{Geometry, Part};
 use super::instance_transform::InstancePath;
 use super::interaction::Triangles;
-use super::lower::{MeshUse, WorldShape, wound};
+use super::lower::{MeshUse, WorldShape, is_mirrored, wound};
 use super::lower_moving::{MovingBody, MovingSurface};
 use super::movement::mesh_at;
 use super::moving_shape::MovingShape;
@@ -110,7 +110,8 @@ impl Assembler<'_, '_> {
                 };
                 let places: Vec<_> = moving.steps.iter().map(at).collect();
                 if places.iter().any(|corners| Triangle::new(*corners).is_some()) {
-                    parts.push(Part { surface: moving.surface as u32, half: half as u32 });
+                    let is_mirrored = is_mirrored(&surface.to_world());
+                    parts.push(Part { surface: moving.surface as u32, half: half as u32, is_mirrored });
                     for (step, corners) in steps.iter_mut().zip(places) {
                         step.extend(corners.map(|corner| corner.to_array()));
                     }

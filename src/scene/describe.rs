@@ -36,11 +36,35 @@ impl Scene {
     /// Describes the surface point that `ray` hit. The hit must come from the same ray and scene.
     pub fn describe_hit(&self, ray: &Ray, hit: &Hit) -> HitDescription {
         let interaction = self.interaction(ray, hit);
-        let uv = self.uv(hit);
-        let (barycentric, primitive) = match self.geometries.get(hit.geometry as usize) {
+        let (surface, material) = self.hit_owner(hit);
+        let (barycentric, primitive) = self.hit_part(hit);
+        HitDescription {
+            t: hit.t,
+            barycentric,
+            uv: self.hit_uv(hit),
+            ng: interaction.ng,
+            ns: interaction.ns,
+            surface,
+            material,
+            primitive,
+        }
+    }
+
+    /// The surface that was hit and its material, as [`HitDescription`] has them.
+    #[inline]
+    pub fn hit_owner(&self, hit: &Hit) -> (u32, Option<u32>) {
+        let owner = self.owner(hit);
+        // The last of the scene's materials is none of the description.
+        (owner.surface, (owner.material as usize + 1 < self.materials.len()).then_some(owner.material))
+    }
+
+    /// The weights of the triangle's vertices and the number of the triangle, as [`HitDescription`] has them.
+    #[inline]
+    pub fn hit_part(&self, hit: &Hit) -> ([f32; 2], u32) {
+        match self.geometries.get(hit.geometry as usize) {
             Some(Geometry::Loose { parts, .. }) => {
                 let part = parts[hit.primitive as usize];
-                (in_order(self.record.is_mirrored(part.surface), [hit.u, hit.v]), part.half)
+                (in_order(part.is_mirrored, [hit.u, hit.v]), part.half)
             }
             Some(Geometry::Flat { triangles, .. } | Geometry::Instance { triangles, .. }) => {
                 let original = triangles.original.as_ref();
@@ -48,18 +72,13 @@ impl Scene {
                 (in_order(triangles.swapped, [hit.u, hit.v]), original)
             }
             Some(Geometry::Analytic { .. }) | None => ([0.0; 2], 0),
-        };
-        HitDescription {
-            t: hit.t,
-            barycentric,
-            uv,
-            ng: interaction.ng,
-            ns: interaction.ns,
-            surface: interaction.surface,
-            // The last of the scene's materials is none of the description.
-            material: (interaction.material as usize + 1 < self.materials.len()).then_some(interaction.material),
-            primitive,
         }
+    }
+
+    /// The texture coordinates, as [`HitDescription`] has them.
+    #[inline]
+    pub fn hit_uv(&self, hit: &Hit) -> [f32; 2] {
+        self.uv(hit)
     }
 
     /// Returns whether a ray can be traced at all: its numbers are finite (`tfar` may be infinite), its direction is

@@ -261,7 +261,7 @@ impl GeometryRecord {
         match geometry {
             Geometry::Loose { parts, .. } => {
                 let part = parts[primitive as usize];
-                let weights = plain(self.is_mirrored(part.surface));
+                let weights = plain(part.is_mirrored);
                 let is_quad = self.is_quad(part.surface);
                 Some(if is_quad { weights.map(|weights| quad_uv(part.half, weights)) } else { weights })
             }

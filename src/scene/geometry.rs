@@ -14,6 +14,8 @@ pub(super) struct Part {
     pub surface: u32,
     /// The half of a quad, 0 or 1; 0 for a triangle.
     pub half: u32,
+    /// Whether the transform of the surface mirrors it, so that the second and third vertex are the third and second that were given.
+    pub is_mirrored: bool,
 }
 
 /// A geometry of the Embree scene. The owners of its primitives are stored separately ([`Owners`]), because they can

@@ -100,13 +100,16 @@ pub(super) fn lower(
         let bounds = match &surface.shape {
             ShapeDesc::Triangle(corners) => {
                 let corners = wound(&to_world, corners.each_ref().map(place));
-                lowered.triangles.push((corners, Part { surface: number as u32, half: 0 }));
+                lowered
+                    .triangles
+                    .push((corners, Part { surface: number as u32, half: 0, is_mirrored: is_mirrored(&to_world) }));
                 extent(&corners)
             }
             ShapeDesc::Quad(corners) => {
                 let [a, b, c, d] = corners.each_ref().map(place);
                 for (half, corners) in [[a, b, c], [a, c, d]].into_iter().enumerate() {
-                    let part = Part { surface: number as u32, half: half as u32 };
+                    let is_mirrored = is_mirrored(&to_world);
+                    let part = Part { surface: number as u32, half: half as u32, is_mirrored };
                     lowered.triangles.push((wound(&to_world, corners), part));
                 }
                 extent(&[a, b, c, d])

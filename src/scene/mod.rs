@@ -224,7 +224,7 @@ impl Scene {
     /// Prefetches the data that [`Scene::interaction`] will read for these hits. The data are scattered over the arrays
     /// of a large mesh, and without prefetching every hit would wait for its own memory access.
     #[inline]
-    pub(crate) fn prefetch(&self, hits: &[Option<Hit>]) {
+    pub fn prefetch(&self, hits: &[Option<Hit>]) {
         if !self.is_large || cfg!(not(target_arch = "x86_64")) {
             return;
         }
@@ -281,6 +281,15 @@ impl Scene {
             return cache.point_of(owners, hit, time);
         }
         self.point_elsewhere(hit, time, on_shape)
+    }
+
+    /// The surface, material and emitter of the primitive that was hit.
+    #[inline]
+    fn owner(&self, hit: &Hit) -> interaction::Owner {
+        match hit.geometry {
+            IN_LIST => self.bindings.list_owners[hit.primitive as usize],
+            geometry => self.bindings.owners[geometry as usize].of(hit.primitive),
+        }
     }
 
     /// Does the work of [`Scene::point_of`] for primitives that are not in a triangle cache.

@@ -683,6 +683,20 @@ static etd_status n_scene_occluded(void) {
     uint8_t *answer = AT(2, output(sizeof *answer));
     return CALL(etd_scene_occluded(SCENE(0), AT(1, &ray), 1, answer));
 }
+static etd_status n_scene_camera_rays(void) {
+    static const float corner[2] = {0, 0};
+    etd_ray *rays = AT(2, output(4 * sizeof *rays));
+    return CALL(etd_scene_camera_rays(SCENE(0), 2, 2, AT(1, corner), rays));
+}
+static etd_status n_scene_query(void) {
+    static const float from[3] = {0, 5, 0}, down[3] = {0, -1, 0};
+    etd_ray_query query = ETD_RAY_QUERY_INIT;
+    query.count = 1;
+    query.origins = from;
+    query.directions = down;
+    query.t = output(sizeof *query.t);
+    return CALL(etd_scene_query(SCENE(0), AT(1, &query)));
+}
 
 static etd_status n_atlas_new(void) {
     etd_atlas_options options = ETD_ATLAS_OPTIONS_INIT;
@@ -992,6 +1006,8 @@ static const struct {
     {"etd_task_status", n_task_status, 2, 1, 1},
     {"etd_scene_intersect", n_scene_intersect, 3, 7, 1},
     {"etd_scene_occluded", n_scene_occluded, 3, 7, 1},
+    {"etd_scene_query", n_scene_query, 2, 3, 1},
+    {"etd_scene_camera_rays", n_scene_camera_rays, 3, 5, 1},
     {"etd_atlas_new", n_atlas_new, 3, 5, 1},
     {"etd_atlas_retain", n_atlas_retain, 1, 1, 1},
     {"etd_atlas_release", n_atlas_release, 1, 0, 1},
@@ -1138,6 +1154,7 @@ int main(int count, char **arguments) {
     misuse_bake(quick);
     misuse_lighting();
     misuse_errors();
+    misuse_queries();
     etd_atlas_release(atlas);
     etd_task_release(task);
     etd_film_release(film);

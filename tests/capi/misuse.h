@@ -35,6 +35,9 @@ void misuse_lighting(void);
 /* Where errors say that something is wrong, in misuse_errors.c. */
 void misuse_errors(void);
 
+/* Ray queries by columns, in misuse_queries.c. */
+void misuse_queries(void);
+
 /* The caller's floating-point state, in misuse_float.c. */
 void misuse_float(void);
 

@@ -187,6 +187,7 @@ static etd_status s_get_render_options(void) {
 static etd_status s_progress(void) { return etd_task_poll(task, (etd_progress *)(void *)&structure); }
 static etd_status s_summary(void) { return etd_film_get_summary(film, (etd_summary *)(void *)&structure); }
 static etd_status s_scene_info(void) { return etd_scene_get_info(scene, (etd_scene_info *)(void *)&structure); }
+static etd_status s_ray_query(void) { return etd_scene_query(scene, (etd_ray_query *)(void *)&structure); }
 static etd_status s_map(void) {
     etd_map *map = (etd_map *)(void *)&structure;
     etd_status status = etd_film_map(film, ETD_LAYER_COLOR, map);
@@ -227,6 +228,7 @@ static void i_render_options(void) { INIT(etd_render_options, ETD_RENDER_OPTIONS
 static void i_progress(void) { INIT(etd_progress, ETD_PROGRESS_INIT); }
 static void i_summary(void) { INIT(etd_summary, ETD_SUMMARY_INIT); }
 static void i_scene_info(void) { INIT(etd_scene_info, ETD_SCENE_INFO_INIT); }
+static void i_ray_query(void) { INIT(etd_ray_query, ETD_RAY_QUERY_INIT); }
 static void i_map(void) { INIT(etd_map, ETD_MAP_INIT); }
 static void i_image_options(void) { INIT(etd_image_options, ETD_IMAGE_OPTIONS_INIT); }
 
@@ -294,6 +296,7 @@ static void pass_wrong_sizes(void) {
         {"etd_progress", i_progress, s_progress, sizeof(etd_progress), offsetof(etd_progress, images), 1},
         {"etd_summary", i_summary, s_summary, sizeof(etd_summary), offsetof(etd_summary, cancelled), 1},
         {"etd_scene_info", i_scene_info, s_scene_info, sizeof(etd_scene_info), offsetof(etd_scene_info, build_time), 1},
+        {"etd_ray_query", i_ray_query, s_ray_query, sizeof(etd_ray_query), offsetof(etd_ray_query, primitives_stride), 0},
         {"etd_map", i_map, s_map, sizeof(etd_map), offsetof(etd_map, id), 1},
         {"etd_image_options", i_image_options, s_image_options, sizeof(etd_image_options),
          offsetof(etd_image_options, comments), 0},
