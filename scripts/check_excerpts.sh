@@ -22,6 +22,7 @@ blocks() {
     cat <<'END'
 #include <etendue.h>
 #include <math.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

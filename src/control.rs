@@ -163,6 +163,11 @@ impl<'a> WorkProgress<'a> {
         }
     }
 
+    /// Whether anybody is told of the progress.
+    pub fn is_reported(&self) -> bool {
+        self.is_reported
+    }
+
     /// Begins the next stage, which ends at the fraction `end` of the whole work and has `units` units.
     ///
     /// # Errors

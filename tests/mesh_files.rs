@@ -4,13 +4,14 @@ mod common;
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
 
 use common::scenes::{Job, render_scene};
-use etendue::desc::{self, BsdfDesc, MeshDesc, SceneDesc, ShapeDesc, SurfaceLook};
+use etendue::desc::{self, BsdfDesc, LoadOptions, MeshDesc, SceneDesc, ShapeDesc, SurfaceLook};
 use etendue::math::DAffine3;
 use etendue::scene::{BuildOptions, Scene};
 use etendue::spectrum::Rgb;
-use etendue::{Error, ErrorKind};
+use etendue::{Cancel, Error, ErrorKind};
 use proptest::prelude::*;
 use serde_json::json;
 
@@ -883,3 +884,87 @@ const REFUSED: &[(&str, &str)] = &[
 
 /// Files of which nothing can be seen: white before a white sky.
 const UNSEEN: &[&str] = &["OBJ/regr_3429812.obj"];
+
+/// Reads the scene that a file is, or that a JSON text in its folder is, and stops once the fraction `stop` is done. Returns the fractions
+/// that were told.
+fn watched(path: &Path, stop: f64) -> (etendue::Result<SceneDesc>, Vec<f64>) {
+    let told = Arc::new(Mutex::new(Vec::new()));
+    let cancel = Cancel::new();
+    let progress = {
+        let (told, cancel) = (Arc::clone(&told), cancel.clone());
+        move |fraction: f64| {
+            told.lock().expect("no panic").push(fraction);
+            if fraction >= stop {
+                cancel.cancel();
+            }
+        }
+    };
+    let options = LoadOptions { cancel, progress: Some(Arc::new(progress)), ..LoadOptions::default() };
+    let scene = desc::load_with(path, None, &options);
+    let told = told.lock().expect("no panic").clone();
+    (scene, told)
+}
+
+#[test]
+fn reading_of_a_mesh_is_watched_and_stopped() {
+    let count = 60_000;
+    let mut obj = String::new();
+    let mut stl = "solid\n".to_owned();
+    let mut ply = format!(
+        "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\nelement face {count}\n\
+         property list uchar int vertex_indices\nend_header\n",
+        3 * count
+    );
+    let mut binary = vec![0_u8; 80];
+    binary.extend((count as u32).to_le_bytes());
+    for i in 0..count {
+        let x = i as f32 * 0.25;
+        let corners = [[x, 0.0, 0.0], [x, 1.0, 0.0], [x, 0.0, 1.0]];
+        stl += "facet normal 1 0 0\nouter loop\n";
+        for [x, y, z] in corners {
+            writeln!(obj, "v {x} {y} {z}").expect("a string");
+            writeln!(ply, "{x} {y} {z}").expect("a string");
+            writeln!(stl, "vertex {x} {y} {z}").expect("a string");
+        }
+        stl += "endloop\nendfacet\n";
+        writeln!(obj, "f {} {} {}", 3 * i + 1, 3 * i + 2, 3 * i + 3).expect("a string");
+        binary.extend([0_u8; 12]);
+        binary.extend(corners.as_flattened().iter().flat_map(|value| value.to_le_bytes()));
+        binary.extend([0_u8; 2]);
+    }
+    (0..count).for_each(|i| writeln!(ply, "3 {} {} {}", 3 * i, 3 * i + 1, 3 * i + 2).expect("a string"));
+    stl += "endsolid\n";
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    let files: [(&str, &[u8]); 4] =
+        [("a.obj", obj.as_bytes()), ("a.ply", ply.as_bytes()), ("a.stl", stl.as_bytes()), ("b.stl", &binary)];
+    let mut surfaces = Vec::new();
+    for (name, content) in files {
+        std::fs::write(path(name), content).expect("a file");
+        surfaces.push(json!({"geometry": "mesh", "file": name, "material": "grey"}));
+    }
+    // One is named twice.
+    surfaces.push(json!({"geometry": "mesh", "file": "a.obj", "material": "grey"}));
+    let scene = json!({
+        "etendue": 1,
+        "camera": {"origin": [0, 0, 9], "lookAt": [0, 0, 0], "up": [0, 1, 0], "fieldOfView": 60},
+        "materials": [{"name": "grey", "type": "diffuse", "color": [0.5, 0.5, 0.5]}],
+        "surfaces": surfaces
+    });
+    std::fs::write(path("scene.json"), scene.to_string()).expect("a file");
+    for name in ["a.obj", "a.ply", "a.stl", "b.stl", "scene.json"] {
+        let (scene, told) = watched(&path(name), 2.0);
+        let scene = scene.unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert_eq!(scene.meshes.iter().map(|mesh| mesh.triangles.len()).max(), Some(count), "{name}");
+        assert!(told.is_sorted() && told.last() == Some(&1.0), "{name}: {told:?}");
+        let steps = [&[0.0][..], &told].concat();
+        let widest = steps.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+        assert!(told.len() >= 12 && widest < 0.1, "{name}: {told:?}");
+        for stop in [0.01, 0.3, 0.8] {
+            let (scene, told) = watched(&path(name), stop);
+            let error = scene.err().unwrap_or_else(|| panic!("{name} was read to the end"));
+            assert_eq!(error.kind(), ErrorKind::Cancelled, "{name}: {error}");
+            assert!(told.last().is_some_and(|last| *last < stop + 0.1), "{name}: {told:?}");
+        }
+    }
+}

@@ -315,7 +315,8 @@ pub unsafe extern "C" fn etd_scene_from_json(
 /// A file whose name ends in `.obj`, `.ply` or `.stl` is a scene by itself: its surfaces, seen as a whole by a camera that is
 /// made for them, under an even sky where nothing in them emits a radiance above 1. All other files are read as JSON.
 ///
-/// Images are decoded by several threads. `options->progress` is told how far that is, and may cancel the reading: `ETD_CANCELLED`.
+/// Images are decoded by several threads. `options->progress` is told how far the reading of mesh files and images is, and may cancel it
+/// within a file: `ETD_CANCELLED`. A program that is not to wait calls this on a thread of its own.
 ///
 /// `path`: UTF-8. All else is as for `etd_scene_from_json`. Thread-safe.
 ///

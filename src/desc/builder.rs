@@ -179,8 +179,11 @@ impl<'a> Builder<'a> {
         if let Some(mesh) = self.files.get(&identity) {
             return Ok(*mesh);
         }
-        let load = if keep_degenerate { mesh_files::load_whole } else { mesh_files::load };
-        let mesh = load(&file, path, &mut self.scene.warnings)?;
+        let warnings = &mut self.scene.warnings;
+        let mesh = match keep_degenerate {
+            true => mesh_files::load_whole(&file, path, warnings, self.work)?,
+            false => mesh_files::load(&file, path, warnings, self.work)?,
+        };
         let mesh = self.scene.put_mesh(mesh);
         self.scene.files.push(file);
         self.files.insert(identity, mesh);

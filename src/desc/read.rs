@@ -10,7 +10,7 @@ use serde_json::value::RawValue;
 use super::file::read_text;
 use super::json::{self, line_of};
 use super::scene_file::scene_from_file;
-use super::{RenderDesc, SceneDesc, gltf, mcrt, native, params, render_keys};
+use super::{RenderDesc, SceneDesc, gltf, mcrt, mesh_files, native, params, render_keys};
 use crate::control::WorkProgress;
 use crate::room::check_room;
 use crate::{Cancel, Error, ErrorKind, Result};
@@ -43,10 +43,10 @@ pub struct LoadOptions {
     pub animation: Option<String>,
     /// Name or number of the camera; `None` for the first one of the scene.
     pub camera: Option<String>,
-    /// Stops the reading with [`ErrorKind::Cancelled`]: between two meshes, and within an image.
+    /// Stops the reading with [`ErrorKind::Cancelled`]: within a mesh file or an image, and between the meshes of a glTF file.
     pub cancel: Cancel,
-    /// Called with the fraction of the images' bytes that are decoded, which only grows, from one thread at a time; with 1 at the
-    /// end. Images take the most time of scenes that have any.
+    /// Called with the fraction of the bytes of mesh files and images that are read, which only grows, from one thread at a time; with 1
+    /// at the end. The sizes of images are known once the meshes are read.
     pub progress: Option<Arc<dyn Fn(f64) + Send + Sync>>,
 }
 
@@ -204,6 +204,7 @@ fn scene(json: &str, base_dir: &Path, file: Option<&Path>, work: &WorkProgress<'
         etendue: Option<&'a RawValue>,
     }
     let document = json::document(json)?;
+    mesh_files::announce(json, base_dir, work);
     let Some(version) = json::object::<Probe>(document, "")?.etendue else {
         return mcrt::read(document, base_dir, file, work).map_err(hint_at_version);
     };

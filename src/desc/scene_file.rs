@@ -29,11 +29,15 @@ pub(super) fn scene_from_file(path: &Path, options: &LoadOptions, work: &WorkPro
     if options.is_choice() {
         return Err(no_choices(Some(path)));
     }
-    let mut scene = match MeshFormat::of_name(path) {
+    let format = MeshFormat::of_name(path);
+    if format.is_some() {
+        mesh_files::announce_file(path, work);
+    }
+    let mut scene = match format {
         None => return parse_watched(&read_text(path)?, path.parent().unwrap_or(Path::new("")), Some(path), work),
         Some(MeshFormat::Obj) => with_own_materials(path, work)?,
-        Some(MeshFormat::Ply) => grey(path, DAffine3::IDENTITY)?,
-        Some(MeshFormat::Stl) => grey(path, z_to_y())?,
+        Some(MeshFormat::Ply) => grey(path, DAffine3::IDENTITY, work)?,
+        Some(MeshFormat::Stl) => grey(path, z_to_y(), work)?,
     };
     scene.file = Some(path.to_owned());
     framing::light(&mut scene);
@@ -47,9 +51,9 @@ fn z_to_y() -> DAffine3 {
     DAffine3::from_mat3(DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y))
 }
 
-fn grey(path: &Path, transform: DAffine3) -> Result<SceneDesc> {
+fn grey(path: &Path, transform: DAffine3, work: &WorkProgress<'_>) -> Result<SceneDesc> {
     let mut scene = SceneDesc::default();
-    let mesh = mesh_files::load(path, "", &mut scene.warnings)?;
+    let mesh = mesh_files::load(path, "", &mut scene.warnings, work)?;
     scene.files.push(path.to_owned());
     let smooth = mesh.has_normals();
     let material = if mesh.colors.is_empty() {

@@ -39,8 +39,8 @@ pub struct etd_scene_options {
     pub base_dir: *const c_char,
     /// A parameter file of the report's renderer that overrides the scene's own settings; NULL: none.
     pub params_file: *const c_char,
-    /// Progress callback of the calls that read a scene; may be NULL. It receives the fraction of the images' bytes that are decoded,
-    /// on one of the reading threads, and cancels the reading if it returns anything but 0.
+    /// Progress callback of the calls that read a scene; may be NULL. It receives the fraction of the bytes of mesh
+    /// files and images that are read, on one of the reading threads, and cancels the reading if it returns anything but 0.
     pub progress: etd_progress_fn,
     /// Passed to the callback.
     pub user_data: *mut c_void,

@@ -13,8 +13,9 @@ mod ply_values;
 pub(super) mod ply_write;
 mod stl;
 mod stl_text;
+mod watched;
 
-use std::fs::File;
+use std::collections::HashSet;
 use std::io::{self, BufRead as _, Read, Take};
 use std::path::Path;
 
@@ -24,6 +25,7 @@ use super::warnings::warn;
 use crate::control::WorkProgress;
 use crate::spectrum::srgb_decode;
 use crate::{Error, Result};
+use watched::WatchedFile;
 
 pub(super) use obj_parts::{Part, Parts};
 
@@ -85,9 +87,15 @@ pub(super) fn check_name(json_path: &str, file: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Reads the mesh in the file at `path`; `json_path` says where the scene names it. Adds warnings only where no error occurs.
-pub(super) fn load(path: &Path, json_path: &str, warnings: &mut Vec<String>) -> Result<MeshDesc> {
-    let (source, format) = opened(path, json_path)?;
+/// Reads the mesh in the file at `path`; `json_path` says where the scene names it. Adds warnings only where no error occurs. The bytes of
+/// the file are units of `work`.
+pub(super) fn load(
+    path: &Path,
+    json_path: &str,
+    warnings: &mut Vec<String>,
+    work: &WorkProgress<'_>,
+) -> Result<MeshDesc> {
+    let (source, format) = opened(path, json_path, work)?;
     match format {
         MeshFormat::Obj => obj::read(source, None, warnings).map(|(mesh, _)| mesh),
         MeshFormat::Ply => ply::read(source, false, warnings),
@@ -96,8 +104,13 @@ pub(super) fn load(path: &Path, json_path: &str, warnings: &mut Vec<String>) -> 
 }
 
 /// Reads the mesh in the PLY file at `path` as [`load`] does, with triangles that name a vertex twice.
-pub(super) fn load_whole(path: &Path, json_path: &str, warnings: &mut Vec<String>) -> Result<MeshDesc> {
-    let (source, format) = opened(path, json_path)?;
+pub(super) fn load_whole(
+    path: &Path,
+    json_path: &str,
+    warnings: &mut Vec<String>,
+    work: &WorkProgress<'_>,
+) -> Result<MeshDesc> {
+    let (source, format) = opened(path, json_path, work)?;
     if format == MeshFormat::Ply {
         return ply::read(source, true, warnings);
     }
@@ -105,9 +118,37 @@ pub(super) fn load_whole(path: &Path, json_path: &str, warnings: &mut Vec<String
     Err(Error::invalid(json_path, message).in_file(Some(path), 0))
 }
 
+/// Announces the meshes that a text of JSON names to the work, by the sizes of their files. The text is not understood: what looks like the
+/// name of a file that is there counts, once. Without a report of progress nothing is looked at.
+pub(super) fn announce(json: &str, base_dir: &Path, work: &WorkProgress<'_>) {
+    if !work.is_reported() {
+        return;
+    }
+    let mut seen = HashSet::new();
+    for (key, _) in json.match_indices("\"file\"") {
+        let value = json[key + "\"file\"".len()..].trim_start().strip_prefix(':');
+        let name = value.and_then(|value| serde_json::Deserializer::from_str(value).into_iter::<String>().next());
+        if let Some(Ok(name)) = name
+            && MeshFormat::of_name(Path::new(&name)).is_some()
+            && seen.insert(name.clone())
+        {
+            announce_file(&base_dir.join(name), work);
+        }
+    }
+}
+
+/// Announces a file to the work by its size. A file that is not there is no matter here.
+pub(super) fn announce_file(path: &Path, work: &WorkProgress<'_>) {
+    work.expect(path.metadata().map_or(0.0, |it| it.len() as f64));
+}
+
 /// Opens a file, and says which format it has.
-fn opened<'a>(path: &'a Path, json_path: &'a str) -> Result<(Source<'a>, MeshFormat)> {
-    let mut source = Source::open(path, json_path)?;
+fn opened<'a, 'p>(
+    path: &'a Path,
+    json_path: &'a str,
+    work: &'a WorkProgress<'p>,
+) -> Result<(Source<'a, 'p>, MeshFormat)> {
+    let mut source = Source::open(path, json_path, work)?;
     let format = match MeshFormat::of_name(path) {
         Some(format) => format,
         None => source.format()?,
@@ -122,7 +163,7 @@ pub(super) fn load_parts(
     warnings: &mut Vec<String>,
     work: &WorkProgress<'_>,
 ) -> Result<Parts> {
-    let (source, format) = opened(path, json_path)?;
+    let (source, format) = opened(path, json_path, work)?;
     let other = match format {
         MeshFormat::Obj => return obj_parts::load(source, warnings, work),
         MeshFormat::Ply => "PLY",
@@ -133,21 +174,22 @@ pub(super) fn load_parts(
 }
 
 /// An open file, and where messages about it come from.
-struct Source<'a> {
+struct Source<'a, 'p> {
     path: &'a Path,
     json_path: &'a str,
     /// Size of the file when it was opened.
     size: u64,
-    reader: io::BufReader<Take<File>>,
+    reader: io::BufReader<Take<WatchedFile<'a, 'p>>>,
 }
 
-impl<'a> Source<'a> {
-    fn open(path: &'a Path, json_path: &'a str) -> Result<Self> {
+impl<'a, 'p> Source<'a, 'p> {
+    fn open(path: &'a Path, json_path: &'a str, work: &'a WorkProgress<'p>) -> Result<Self> {
         let file = open(path, SIZE_LIMIT).map_err(|error| error.at(json_path))?;
         let size = file.metadata().map_err(|error| Error::io(path, "cannot open the file", error).at(json_path))?.len();
         // The limit is one byte more than allowed, so that a file that grows during reading is distinguished from a file
         // that ends here.
-        Ok(Self { path, json_path, size, reader: io::BufReader::with_capacity(1 << 16, file.take(SIZE_LIMIT + 1)) })
+        let reader = io::BufReader::with_capacity(1 << 16, WatchedFile::new(file, work).take(SIZE_LIMIT + 1));
+        Ok(Self { path, json_path, size, reader })
     }
 
     /// The format by the content.
@@ -176,7 +218,8 @@ impl Place<'_> {
     }
 
     fn unreadable(&self, error: io::Error) -> Error {
-        Error::io(self.path, "cannot read the mesh", error).at(self.json_path)
+        watched::stopped(error)
+            .unwrap_or_else(|error| Error::io(self.path, "cannot read the mesh", error).at(self.json_path))
     }
 
     fn too_large(&self) -> Error {

@@ -17,7 +17,7 @@ const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// Reads a file, and which material each triangle has if `uses` is given.
 pub(super) fn read(
-    source: Source<'_>,
+    source: Source<'_, '_>,
     uses: Option<MaterialUses>,
     warnings: &mut Vec<String>,
 ) -> Result<(MeshDesc, Option<MaterialUses>)> {

@@ -145,7 +145,7 @@ impl MaterialUses {
 
 /// Reads the file and the material libraries that it names, with a part for each material that a face has, in the order of their
 /// first faces.
-pub(super) fn load(source: Source<'_>, warnings: &mut Vec<String>, work: &WorkProgress<'_>) -> Result<Parts> {
+pub(super) fn load(source: Source<'_, '_>, warnings: &mut Vec<String>, work: &WorkProgress<'_>) -> Result<Parts> {
     let place = source.place();
     let (path, json_path) = (place.path, place.json_path);
     let mut noted = Vec::new();

@@ -20,7 +20,7 @@ const COLORS: [&str; 3] = ["red", "green", "blue"];
 const UVS: [[&str; 2]; 4] = [["u", "v"], ["s", "t"], ["texture_u", "texture_v"], ["texture_s", "texture_t"]];
 
 /// Reads a file. `keep_degenerate` says whether triangles that name a vertex twice are kept.
-pub(super) fn read(source: Source<'_>, keep_degenerate: bool, warnings: &mut Vec<String>) -> Result<MeshDesc> {
+pub(super) fn read(source: Source<'_, '_>, keep_degenerate: bool, warnings: &mut Vec<String>) -> Result<MeshDesc> {
     let (place, size) = (source.place(), source.size);
     let mut input = source.reader;
     let header = Header::read(&mut input).map_err(|error| place.unreadable(error))?;

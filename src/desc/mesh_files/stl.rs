@@ -37,7 +37,7 @@ fn count(beginning: &[u8]) -> Option<u32> {
 }
 
 /// Reads a file.
-pub(super) fn read(mut source: Source<'_>, warnings: &mut Vec<String>) -> Result<MeshDesc> {
+pub(super) fn read(mut source: Source<'_, '_>, warnings: &mut Vec<String>) -> Result<MeshDesc> {
     let (place, size) = (source.place(), source.size);
     let beginning = source.reader.fill_buf().map_err(|error| place.unreadable(error))?;
     let is_binary = is_binary_of_size(beginning, size) || !is_text(beginning);
@@ -54,7 +54,7 @@ pub(super) fn read(mut source: Source<'_>, warnings: &mut Vec<String>) -> Result
     triangles.finish(warnings)
 }
 
-fn binary(source: &mut Source<'_>, count: u32, triangles: &mut Triangles<'_>) -> Result<()> {
+fn binary(source: &mut Source<'_, '_>, count: u32, triangles: &mut Triangles<'_>) -> Result<()> {
     let (place, size) = (source.place(), source.size);
     let room = size.saturating_sub(HEADER as u64) / TRIANGLE as u64;
     if u64::from(count) > room {

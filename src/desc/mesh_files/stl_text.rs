@@ -5,7 +5,7 @@ use super::{LINE_LIMIT, Source, is_number, read_line, shortened};
 use crate::Result;
 
 /// Reads all solids of a file. Words may be in upper or lower case, and several of them on one line.
-pub(super) fn read(source: &mut Source<'_>, triangles: &mut Triangles<'_>) -> Result<()> {
+pub(super) fn read(source: &mut Source<'_, '_>, triangles: &mut Triangles<'_>) -> Result<()> {
     let place = source.place();
     let mut facets = Facets { triangles, vertices: None, solids: 0, is_open: false };
     let mut text = Vec::new();
