@@ -908,12 +908,12 @@ enum etd_layer
      */
     ETD_LAYER_COLOR = 1,
     /**
-     * Albedo at the first hit: 3 channels.
+     * Albedo at the first hit, in [0, 1]: 3 channels; 0 where rays hit nothing.
      */
     ETD_LAYER_ALBEDO = 2,
     /**
      * Shading normal at the first hit, towards the camera, in world axes: 3 channels. It is a mean over samples, and thus not of
-     * unit length at edges.
+     * unit length at edges; 0 where rays hit nothing.
      */
     ETD_LAYER_NORMAL = 4,
     /**

@@ -14,6 +14,7 @@ use super::interaction::Triangles;
 use super::lower::{self, Lowered, MeshUse};
 use super::mesh::{self, MeshObject};
 use super::record::{BuildFacts, GeometryRecord, ObjectKey, address};
+use super::singles::{self, OWN_HIERARCHY, Singles};
 use super::{BuildOptions, assemble_moving, bindings, frame};
 use crate::camera::Camera;
 use crate::control::WorkProgress;
@@ -83,8 +84,21 @@ pub(super) fn assemble(
     let copied = lowered.copied.first().map(|&first| (lowered.copied.len(), desc.surfaces[first].path.clone()));
     let facts = BuildFacts { bounds: lowered.bounds, copied, ..BuildFacts::default() };
     let known = old.map_or_else(HashMap::new, |old| old.objects.clone());
-    let mut assembler =
-        Assembler { desc, device, progress, centre, embree, known, mesh_bounds, geometries: Vec::new(), facts };
+    let old_singles = old.map_or_else(Singles::default, |old| singles::still_serving(old, desc, centre));
+    let mut assembler = Assembler {
+        desc,
+        device,
+        progress,
+        centre,
+        embree,
+        known,
+        old_singles,
+        singles: Singles { centre, ..Singles::default() },
+        is_dynamic,
+        mesh_bounds,
+        geometries: Vec::new(),
+        facts,
+    };
     progress.settle(assembler.exact_cost(&lowered));
     assembler.loose_triangles(&lowered)?;
     for mesh_use in &lowered.meshes {
@@ -93,7 +107,7 @@ pub(super) fn assemble(
     assembler.instances(&lowered.instances)?;
     assembler.moving(&lowered.moving)?;
     let (list, list_surfaces) = assembler.shapes(&lowered, options.listed_shapes.unwrap_or(LISTED_SHAPES))?;
-    assembler.finish(list, list_surfaces, is_dynamic)
+    assembler.finish(list, list_surfaces)
 }
 
 /// Estimates the units of work when only the sizes of the meshes are known.
@@ -122,6 +136,11 @@ pub(super) struct Assembler<'a, 'p> {
     pub(super) embree: SceneBuilder,
     /// Meshes that already have a hierarchy. The map grows during assembly.
     known: HashMap<ObjectKey, Arc<MeshObject>>,
+    /// Hierarchies of single surfaces that are still those of the description.
+    pub(super) old_singles: Singles,
+    /// Hierarchies of single surfaces in this scene.
+    pub(super) singles: Singles,
+    is_dynamic: bool,
     mesh_bounds: HashMap<usize, Bounds>,
     pub(super) geometries: Vec<Geometry>,
     pub(super) facts: BuildFacts,
@@ -139,8 +158,10 @@ impl Assembler<'_, '_> {
     /// Returns the units of work that remain.
     fn exact_cost(&self, lowered: &Lowered) -> f64 {
         let loose = lowered.triangles.len();
-        let mut units = (cost::TEST + cost::HIERARCHY) * lowered.shapes.len() as f64;
-        units += (cost::TEST + cost::HIERARCHY) * loose as f64 + bindings::triangles_cost(loose);
+        let of_singles =
+            |count: usize, is_there| if is_there { 0.0 } else { (cost::TEST + cost::HIERARCHY) * count as f64 };
+        let mut units = of_singles(lowered.shapes.len(), self.old_singles.shapes.is_some());
+        units += of_singles(loose, self.old_singles.triangles.is_some()) + bindings::triangles_cost(loose);
         for mesh_use in &lowered.meshes {
             let mesh = self.mesh(mesh_use);
             let triangles = mesh.triangle_count();
@@ -164,6 +185,9 @@ impl Assembler<'_, '_> {
 
     /// Adds all triangles and quads as one geometry.
     fn loose_triangles(&mut self, lowered: &Lowered) -> Result<()> {
+        if self.reuse_triangles()? {
+            return Ok(());
+        }
         let count = lowered.triangles.len();
         let charge = self.device.charge(12 * (4 * count + 1))?.map(Arc::new);
         let mut vertices = with_room(3 * count + 1)?;
@@ -180,10 +204,12 @@ impl Assembler<'_, '_> {
                 *dropped.entry(part.surface).or_default() += 1;
             }
         })?;
-        for (surface, count) in dropped {
-            self.facts.dropped.push((count, self.desc.surfaces[surface as usize].path.clone()));
-        }
+        let dropped: Vec<_> = dropped
+            .into_iter()
+            .map(|(surface, count)| (count, self.desc.surfaces[surface as usize].path.clone()))
+            .collect();
         if parts.is_empty() {
+            self.facts.dropped.extend(dropped);
             return Ok(());
         }
         let mut indices = with_room(parts.len())?;
@@ -203,6 +229,11 @@ impl Assembler<'_, '_> {
             swapped: false,
             _charge: charge,
         };
+        let parts: Arc<[Part]> = parts.into();
+        if self.is_dynamic && parts.len() > OWN_HIERARCHY {
+            return self.own_triangles(triangles, parts, dropped);
+        }
+        self.facts.dropped.extend(dropped);
         self.add_triangles(&triangles)?;
         self.geometries.push(Geometry::Loose { triangles, parts, cache: None });
         Ok(())
@@ -299,6 +330,16 @@ impl Assembler<'_, '_> {
     /// Places the analytic shapes in a list in front of Embree while they are few, and in user geometry when they are
     /// many.
     fn shapes(&mut self, lowered: &Lowered, limit: usize) -> Result<(AnalyticList, Vec<u32>)> {
+        let count = lowered.shapes.len();
+        if count > limit {
+            self.facts.embree_shapes += count;
+            self.facts.decisions.push(format!(
+                "{count} analytic shapes are more than {limit}: they go into Embree's tree as user geometry"
+            ));
+            if self.reuse_shapes()? {
+                return Ok((AnalyticList::default(), Vec::new()));
+            }
+        }
         let mut shapes = Vec::with_capacity(lowered.shapes.len());
         self.progress
             .each(lowered.shapes.len(), cost::TEST, |i| shapes.push(lowered.shapes[i].0.in_scene(self.centre)))?;
@@ -307,18 +348,17 @@ impl Assembler<'_, '_> {
             self.facts.listed_shapes = shapes.len();
             return Ok((AnalyticList::new(shapes), surfaces));
         }
-        self.facts.embree_shapes = shapes.len();
-        self.facts.decisions.push(format!(
-            "{} analytic shapes are more than {limit}: they go into Embree's tree as user geometry",
-            shapes.len()
-        ));
         let shapes = Arc::new(AnalyticGeometry { start: shapes, moving: Vec::new() });
-        self.embree.add_user(shapes.clone())?;
-        self.geometries.push(Geometry::Analytic { shapes, surfaces });
+        if self.is_dynamic && count > OWN_HIERARCHY {
+            self.own_shapes(shapes, surfaces.into())?;
+        } else {
+            self.embree.add_user(shapes.clone())?;
+            self.geometries.push(Geometry::Analytic { shapes, surfaces: surfaces.into() });
+        }
         Ok((AnalyticList::default(), Vec::new()))
     }
 
-    fn finish(mut self, list: AnalyticList, list_surfaces: Vec<u32>, is_dynamic: bool) -> Result<Assembly> {
+    fn finish(mut self, list: AnalyticList, list_surfaces: Vec<u32>) -> Result<Assembly> {
         let embree = if self.geometries.is_empty() {
             None
         } else {
@@ -340,8 +380,15 @@ impl Assembler<'_, '_> {
         };
         let named: HashSet<ObjectKey> = self.desc.surfaces.iter().filter_map(named).collect();
         self.known.retain(|key, _| named.contains(key));
-        let record =
-            GeometryRecord::new(self.desc, &self.mesh_bounds, self.known, list_surfaces, self.facts, is_dynamic);
+        let record = GeometryRecord::new(
+            self.desc,
+            &self.mesh_bounds,
+            self.known,
+            list_surfaces,
+            self.facts,
+            self.is_dynamic,
+            self.singles,
+        );
         Ok(Assembly {
             embree,
             list: Arc::new(list),

@@ -135,7 +135,7 @@ impl Assembler<'_, '_> {
         let (any_length, swapped) = (false, false);
         let triangles = Triangles { mesh, normals, later_normals, any_length, original, swapped, _charge: charge };
         self.add_triangles(&triangles)?;
-        self.geometries.push(Geometry::Loose { triangles, parts, cache: None });
+        self.geometries.push(Geometry::Loose { triangles, parts: parts.into(), cache: None });
         Ok(())
     }
 

@@ -92,7 +92,7 @@ impl Scene {
                     meshes.push(self.mesh(geometry_number, *surface, triangles, place, turn, progress)?);
                 }
                 Geometry::Analytic { shapes, surfaces } => {
-                    for (primitive, (shape, surface)) in shapes.start.iter().zip(surfaces).enumerate() {
+                    for (primitive, (shape, surface)) in shapes.start.iter().zip(surfaces.iter()).enumerate() {
                         progress.check()?;
                         meshes.push(self.curved(geometry_number, primitive as u32, *surface, shape));
                     }

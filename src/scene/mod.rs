@@ -45,6 +45,7 @@ mod projection;
 mod record;
 mod relief;
 mod roulette;
+mod singles;
 mod sky;
 mod specular;
 mod steps;

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Weak};
 
 use super::mesh::MeshObject;
+use super::singles::Singles;
 use super::textured_emission::{binding_of, texture_of_light};
 use crate::desc::{
     AreaWebDesc, DistantLightDesc, EnvironmentDesc, EnvironmentMapDesc, LightDistribution, MeshDesc, MeshStep,
@@ -33,6 +34,8 @@ pub(super) struct GeometryRecord {
     pub list_surfaces: Vec<u32>,
     pub facts: BuildFacts,
     pub is_dynamic: bool,
+    /// Hierarchies of single triangles and shapes.
+    pub singles: Singles,
 }
 
 /// The figures of the geometry; see [`super::SceneInfo`].
@@ -108,6 +111,7 @@ impl GeometryRecord {
         list_surfaces: Vec<u32>,
         facts: BuildFacts,
         is_dynamic: bool,
+        singles: Singles,
     ) -> Self {
         let surfaces = (0..desc.surfaces.len()).map(|number| SurfaceKey::new(desc, number)).collect();
         let meshes = desc
@@ -120,7 +124,7 @@ impl GeometryRecord {
                     .then(|| Arc::clone(mesh)),
             })
             .collect();
-        Self { surfaces, meshes, objects, list_surfaces, facts, is_dynamic }
+        Self { surfaces, meshes, objects, list_surfaces, facts, is_dynamic, singles }
     }
 
     /// Returns whether `desc` has the recorded geometry: the same shapes in the same places, and the same meshes.
@@ -128,6 +132,20 @@ impl GeometryRecord {
         self.surfaces.len() == desc.surfaces.len()
             && self.surfaces.iter().zip(&desc.surfaces).all(|(old, new)| self.is_same(old, new, desc))
             && self.surfaces.iter().enumerate().all(|(number, old)| old.movement == SurfaceMovement::new(desc, number))
+    }
+
+    /// Returns whether the surfaces of a kind are the recorded ones: the same shapes in the same places, with the same numbers.
+    pub(super) fn has_same(&self, desc: &SceneDesc, is_one: impl Fn(&ShapeDesc) -> bool) -> bool {
+        let is_there = |surface: &SurfaceDesc| is_one(&surface.shape) && !surface.hidden;
+        let (new, added) = desc.surfaces.split_at(self.surfaces.len().min(desc.surfaces.len()));
+        let is_kept = |(number, (old, new)): (usize, (&SurfaceKey, &SurfaceDesc))| {
+            let was_there = is_one(&old.shape) && !old.hidden;
+            was_there == is_there(new)
+                && (!was_there || self.is_same(old, new, desc) && old.movement == SurfaceMovement::new(desc, number))
+        };
+        self.surfaces.len() <= desc.surfaces.len()
+            && self.surfaces.iter().zip(new).enumerate().all(is_kept)
+            && !added.iter().any(is_there)
     }
 
     fn is_same(&self, old: &SurfaceKey, new: &SurfaceDesc, desc: &SceneDesc) -> bool {

@@ -211,7 +211,40 @@ pub fn scenes() -> Vec<(&'static str, SceneDesc)> {
         let new = surface(&host, ShapeDesc::Mesh { mesh, smooth }, random.placement(), emission);
         host.surfaces.push(new);
     }
-    vec![("room", room), ("meshes", meshes), ("instances", instances), ("spheres", spheres), ("host", host)]
+
+    // More single surfaces than are built together with all others.
+    let mut random = Random(15);
+    let mut singles = studio(&mut random);
+    for number in 0..1300 {
+        let at = random.cube();
+        let corner = |random: &mut Random| at + 0.2 * random.cube();
+        let corners = [corner(&mut random), corner(&mut random), corner(&mut random)];
+        let shape = if number % 100 == 0 {
+            ShapeDesc::Quad([corners[0], corners[1], corners[1] + corners[2] - corners[0], corners[2]])
+        } else {
+            ShapeDesc::Triangle(corners)
+        };
+        let emission = (number == 500).then(|| random.colour());
+        let new = surface(&singles, shape, random.placement(), emission);
+        singles.surfaces.push(new);
+        let shape = ShapeDesc::Sphere { centre: random.cube(), radius: 0.05 };
+        let emission = (number == 600).then(|| random.colour());
+        let new = surface(&singles, shape, random.similarity(), emission);
+        singles.surfaces.push(new);
+    }
+    let mesh = add_mesh(&mut singles, sheet(16, 0.0, false));
+    for _ in 0..2 {
+        let new = surface(&singles, ShapeDesc::Mesh { mesh, smooth: true }, random.placement(), None);
+        singles.surfaces.push(new);
+    }
+    vec![
+        ("room", room),
+        ("meshes", meshes),
+        ("instances", instances),
+        ("spheres", spheres),
+        ("host", host),
+        ("singles", singles),
+    ]
 }
 
 /// A change to a description.

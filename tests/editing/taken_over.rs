@@ -78,6 +78,44 @@ fn edits_of_geometry_take_large_meshes_over() {
     compare("third", &third, &Scene::build(&desc, &BuildOptions { dynamic: true, ..options }).unwrap());
 }
 
+/// Single triangles and shapes stay as they are while none of their kind is edited.
+#[test]
+fn edits_of_geometry_take_single_surfaces_over() {
+    let scenes = crate::scenes::scenes();
+    let (_, original) = scenes.into_iter().find(|(name, _)| *name == "singles").expect("it is there");
+    let options = options(true);
+    let scene = Scene::build(&original, &options).unwrap();
+    let device = scene.device().clone();
+    let full = device.memory_bytes();
+    let of_kind = |is_one: fn(&ShapeDesc) -> bool| original.surfaces.iter().rposition(|it| is_one(&it.shape)).unwrap();
+    let mesh = of_kind(|shape| matches!(shape, ShapeDesc::Mesh { .. }));
+    let triangle = of_kind(|shape| matches!(shape, ShapeDesc::Triangle(_)));
+    let sphere = of_kind(|shape| matches!(shape, ShapeDesc::Sphere { .. }));
+    // What is built again is a part of the whole: nothing, the triangles, the spheres.
+    let grown = |number: usize| {
+        let mut desc = original.clone();
+        desc.surfaces[number].transform = Random(4).similarity();
+        let edited = scene.rebuild(&desc, &options).unwrap();
+        let grown = (device.memory_bytes() - full) as f64 / full as f64;
+        compare("singles", &edited, &Scene::build(&desc, &options).unwrap());
+        grown
+    };
+    let [of_mesh, of_triangle, of_sphere] = [mesh, triangle, sphere].map(grown);
+    assert!(of_mesh < 0.1, "{of_mesh}");
+    assert!(of_triangle > 0.2 && of_sphere > 0.2, "{of_triangle}, {of_sphere}");
+    assert!(of_triangle + of_sphere < 1.1, "{of_triangle} and {of_sphere}");
+    // The list of surfaces grows, and a single surface is removed: its kind alone is built again.
+    let mut desc = original.clone();
+    let added = surface(&desc, ShapeDesc::Mesh { mesh: 0, smooth: true }, Random(8).placement(), None);
+    desc.surfaces.push(added);
+    let edited = scene.rebuild(&desc, &options).unwrap();
+    assert!(((device.memory_bytes() - full) as f64) < 0.1 * full as f64);
+    desc.surfaces[sphere].hidden = true;
+    let edited = edited.rebuild(&desc, &options).unwrap();
+    compare("removed", &edited, &Scene::build(&desc, &options).unwrap());
+    assert!(edited.info().to_string().contains("hierarchy of their own"), "{}", edited.info());
+}
+
 #[test]
 fn a_mesh_is_forgotten_with_its_last_surface() {
     let mut desc = studio(&mut Random(1));

@@ -11,10 +11,10 @@ pub use {etd_format::*, etd_layer::*, etd_primaries::*, etd_tone_map::*};
 pub enum etd_layer {
     /// Radiance, linear Rec. 709 [W m^-2 sr^-1], with alpha: 4 channels. Always kept.
     ETD_LAYER_COLOR = 1,
-    /// Albedo at the first hit: 3 channels.
+    /// Albedo at the first hit, in [0, 1]: 3 channels; 0 where rays hit nothing.
     ETD_LAYER_ALBEDO = 2,
     /// Shading normal at the first hit, towards the camera, in world axes: 3 channels. It is a mean over samples, and thus not of
-    /// unit length at edges.
+    /// unit length at edges; 0 where rays hit nothing.
     ETD_LAYER_NORMAL = 4,
     /// Distance of the first hit from the eye along the view direction: 1 channel; infinite where rays hit nothing.
     ETD_LAYER_DEPTH = 8,
