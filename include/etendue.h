@@ -58,6 +58,10 @@
 #define ETD_MESH_INIT \
     {sizeof(etd_mesh), NULL, 0, 0, 0, NULL, 0, 0, NULL, 0, NULL, 0, ETD_POSITION_FLOAT3, ETD_COPY, NULL, NULL, NULL, \
      NULL, 0, NULL, 0, 0, NULL, 0}
+#define ETD_SHAPE_INIT \
+    {sizeof(etd_shape), ETD_SHAPE_NONE, ETD_NONE, 0, 0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, \
+     {0, 0, 0}, {0, 0, 0}, 0, {0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, {0, 0, 0}, {0, 0, 0}}
+#define ETD_MESH_INFO_INIT {sizeof(etd_mesh_info), 0, 0, 0, 0}
 #define ETD_TEXTURE_INIT \
     {sizeof(etd_texture), ETD_TEXTURE_IMAGE, ETD_COLOR_SPACE_BY_USE, NULL, NULL, 0, 0, 0, 0, ETD_TEXEL_UINT8, ETD_COPY, \
      ETD_TEXTURE_FILTER_BILINEAR, NULL, NULL, ETD_WRAP_REPEAT, ETD_WRAP_REPEAT, {{0, 0, 0}, {1, 1, 1}}, 0.1f, 1, 4, \
@@ -273,8 +277,8 @@ enum etd_usage
      */
     ETD_USAGE_STATIC = 0,
     /**
-     * Every larger mesh has a hierarchy of its own, so that other meshes are not rebuilt when a surface is added, moved or
-     * removed.
+     * Every larger mesh has a hierarchy of its own, and so have single triangles and single shapes where they are many, so that the others
+     * are not rebuilt when a surface is added, moved or removed.
      */
     ETD_USAGE_DYNAMIC = 1,
 };
@@ -1094,6 +1098,51 @@ enum etd_side
 typedef enum etd_side etd_side;
 #else
 typedef uint32_t etd_side;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * What a surface is.
+ */
+enum etd_shape_kind
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * Nothing: the surface was removed.
+     */
+    ETD_SHAPE_NONE = 0,
+    /**
+     * A triangle.
+     */
+    ETD_SHAPE_TRIANGLE = 1,
+    /**
+     * A flat convex quadrilateral.
+     */
+    ETD_SHAPE_QUAD = 2,
+    /**
+     * A mesh.
+     */
+    ETD_SHAPE_MESH = 3,
+    /**
+     * A sphere, or an ellipsoid by its transform.
+     */
+    ETD_SHAPE_SPHERE = 4,
+    /**
+     * A flat round disk.
+     */
+    ETD_SHAPE_DISK = 5,
+    /**
+     * A part of a quadric: also a cylinder, a cone and a paraboloid.
+     */
+    ETD_SHAPE_QUADRIC = 6,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum etd_shape_kind etd_shape_kind;
+#else
+typedef uint32_t etd_shape_kind;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -3020,6 +3069,91 @@ typedef struct etd_mesh {
 } etd_mesh;
 
 /**
+ * The shape of a surface, in its own frame. Fields that the kind does not have are 0.
+ */
+typedef struct etd_shape {
+    /**
+     * `sizeof(etd_shape)`, set by the caller (`ETD_SHAPE_INIT`).
+     */
+    size_t struct_size;
+    /**
+     * An `etd_shape_kind`.
+     */
+    etd_shape_kind kind;
+    /**
+     * Number of the mesh; `ETD_NONE` for other kinds.
+     */
+    uint32_t mesh;
+    /**
+     * Of a mesh: 1 where the normals of its vertices are interpolated.
+     */
+    uint32_t smooth;
+    /**
+     * 0.
+     */
+    uint32_t reserved;
+    /**
+     * Three rows of four: from the shape's own frame to the one from which `etd_surface.transform` leads to the world. It is the
+     * identity but for shapes that stand along an axis, such as cylinders.
+     */
+    double frame[12];
+    /**
+     * Three or four vertices of a triangle or quad.
+     */
+    double vertices[12];
+    /**
+     * Centre of a sphere or disk.
+     */
+    double centre[3];
+    /**
+     * Normal of a disk, unit length.
+     */
+    double normal[3];
+    /**
+     * Radius of a sphere or disk.
+     */
+    double radius;
+    /**
+     * The coefficients a to j of a quadric, as `etd_scene_add_quadric` takes them.
+     */
+    double coefficients[10];
+    /**
+     * Smallest corner of the box that clips a quadric; may be infinite.
+     */
+    double clip_min[3];
+    /**
+     * Largest corner.
+     */
+    double clip_max[3];
+} etd_shape;
+
+/**
+ * What a mesh has.
+ */
+typedef struct etd_mesh_info {
+    /**
+     * `sizeof(etd_mesh_info)`, set by the caller (`ETD_MESH_INFO_INIT`).
+     */
+    size_t struct_size;
+    /**
+     * Number of vertices.
+     */
+    size_t vertex_count;
+    /**
+     * Number of triangles.
+     */
+    size_t triangle_count;
+    /**
+     * 1 where its vertices have normals.
+     */
+    uint32_t has_normals;
+    /**
+     * 1 where its vertices have texture coordinates.
+     */
+    uint32_t has_uvs;
+} etd_mesh_info;
+
+/**
  * When the shutter is open, in seconds. Everything is seen at one moment where it closes as it opens.
  */
 typedef struct etd_shutter {
@@ -4527,6 +4661,38 @@ etd_status etd_scene_set_mesh(struct etd_scene *scene,
 etd_status etd_scene_remove_mesh(struct etd_scene *scene, uint32_t mesh);
 
 /**
+ * Returns what a surface is, as described now. Surfaces are numbered from 0; `etd_scene_info.surfaces` says how many there are. A surface
+ * that was removed has the kind `ETD_SHAPE_NONE`. Material and transform: `etd_scene_get_surface`. Thread-safe.
+ */
+etd_status etd_scene_get_shape(const struct etd_scene *scene,
+                               uint32_t surface,
+                               struct etd_shape *out_shape);
+
+/**
+ * Returns what a mesh has, as described now. Meshes are numbered from 0; `etd_scene_info.meshes` says how many there are. Thread-safe.
+ */
+etd_status etd_scene_get_mesh(const struct etd_scene *scene,
+                              uint32_t mesh,
+                              struct etd_mesh_info *out_info);
+
+/**
+ * Copies the arrays of a mesh, as described now, into memory of the host.
+ *
+ * `vertex_count`, `triangle_count`: those of `etd_scene_get_mesh`; if the mesh has other numbers by now, nothing is written.
+ * `positions`: three doubles for each vertex. `normals`: three floats for each vertex. `uvs`: two floats for each vertex. `indices`:
+ * three numbers of vertices for each triangle. Each of them may be NULL. Error: `ETD_INVALID_ARGUMENT` also for normals or texture coordinates
+ * that the mesh does not have. Thread-safe.
+ */
+etd_status etd_scene_copy_mesh(const struct etd_scene *scene,
+                               uint32_t mesh,
+                               size_t vertex_count,
+                               size_t triangle_count,
+                               double *positions,
+                               float *normals,
+                               float *uvs,
+                               uint32_t *indices);
+
+/**
  * Sets when the shutter is open. Errors: `ETD_INVALID_SCENE` for one that closes before it opens, and for a curve with a number below 0
  * or without one above it. Thread-safe.
  */
@@ -4915,7 +5081,8 @@ etd_status etd_scene_occluded(const struct etd_scene *scene,
  *
  * Only what is wanted is computed: numbers of surfaces, for example, need no data of the triangle that was hit. Results are the
  * same for any number of threads, and those of `etd_scene_intersect`. Rays that cannot be traced are as there; one at a time outside
- * [0, 1] cannot be traced either. A query of threads shares these with the renders of the device, with which it takes turns. Errors:
+ * [0, 1] cannot be traced either. Several threads are shared with the renders of the device, with which they take turns; in a process
+ * that was forked from the device's there is only the calling thread. Errors:
  * `ETD_INVALID_OPERATION` before the first build, `ETD_INVALID_ARGUMENT` for a column that is not aligned or has a wrong stride, and
  * for rays without origins or directions. Thread-safe.
  */

@@ -1128,6 +1128,35 @@ public:
         const etd_status status = etd_scene_get_surface(get(), number, &value);
         return detail::give(status, std::move(value));
     }
+    /** What a surface is, as it is described now. */
+    Outcome<etd_shape> shape(std::uint32_t number) const {
+        etd_shape value = ETD_SHAPE_INIT;
+        const etd_status status = etd_scene_get_shape(get(), number, &value);
+        return detail::give(status, std::move(value));
+    }
+    /** What a mesh has, as it is described now. */
+    Outcome<etd_mesh_info> mesh_info(std::uint32_t number) const {
+        etd_mesh_info value = ETD_MESH_INFO_INIT;
+        const etd_status status = etd_scene_get_mesh(get(), number, &value);
+        return detail::give(status, std::move(value));
+    }
+    /** Copies arrays of a mesh. Empty spans are left out; `ETD_INVALID_ARGUMENT` for one that is not as long as the mesh's. */
+    Outcome<void> copy_mesh(std::uint32_t number, span<double> positions, span<float> normals, span<float> uvs,
+                            span<std::uint32_t> indices) const {
+        etd_mesh_info info = ETD_MESH_INFO_INIT;
+        const etd_status status = etd_scene_get_mesh(get(), number, &info);
+        if (status != ETD_OK) {
+            return detail::done(status);
+        }
+        const auto fits = [](std::size_t given, std::size_t needed) { return given == 0 || given == needed; };
+        if (!fits(positions.size(), 3 * info.vertex_count) || !fits(normals.size(), 3 * info.vertex_count) ||
+            !fits(uvs.size(), 2 * info.vertex_count) || !fits(indices.size(), 3 * info.triangle_count)) {
+            return detail::refuse<void>("an array is not as long as the mesh's");
+        }
+        const auto pointer = [](auto &values) { return values.size() == 0 ? nullptr : values.data(); };
+        return detail::done(etd_scene_copy_mesh(get(), number, info.vertex_count, info.triangle_count, pointer(positions),
+                                                pointer(normals), pointer(uvs), pointer(indices)));
+    }
     /** The number of the material of this name. */
     Outcome<std::uint32_t> find_material(const char *name) const {
         std::uint32_t number = ETD_NONE;

@@ -34,6 +34,7 @@ void check(etd_status status);
 void show(const float *pixels, uint32_t width, uint32_t height);
 void viewer_wake(struct viewer *viewer);
 int viewer_closed(struct viewer *viewer);
+void show_part(uint32_t number, const double *points, size_t count);
 struct pool; extern struct pool *pool;
 void pool_push(struct pool *pool, void (*work)(void *), void *argument);
 END

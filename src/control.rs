@@ -95,6 +95,8 @@ struct ProgressState<'a> {
     done: f64,
     /// Number of units of the stage.
     total: f64,
+    /// Whether all work is done.
+    is_finished: bool,
     /// The largest fraction that was reported by steps.
     reported: f64,
     /// The fraction at the last report by steps, or a smaller one since, where there was more work than expected.
@@ -115,7 +117,8 @@ impl ProgressState<'_> {
         if let Some(Report::BySteps(report)) = &self.report {
             // Where there is more work than was expected, the fraction falls. The last one is reported again as the work goes on, so that
             // the callback can always stop it.
-            let fraction = self.fraction();
+            // What was not expected may still be to come: only the end is told as 1.
+            let fraction = if self.is_finished { 1.0 } else { self.fraction().min(1.0 - STEP) };
             self.seen = self.seen.min(fraction);
             if fraction >= self.seen + STEP || (fraction == 1.0 && self.reported < 1.0) {
                 (self.seen, self.reported) = (fraction, self.reported.max(fraction));
@@ -144,8 +147,16 @@ impl<'a> WorkProgress<'a> {
 
     fn with(cancel: Cancel, report: Option<Report<'a>>, stage: [f64; 2]) -> Self {
         let (is_timed, is_reported) = (matches!(report, Some(Report::ByTime(_))), report.is_some());
-        let state =
-            ProgressState { report, stage, done: 0.0, total: 0.0, reported: 0.0, seen: 0.0, last: Instant::now() };
+        let state = ProgressState {
+            report,
+            stage,
+            done: 0.0,
+            total: 0.0,
+            is_finished: false,
+            reported: 0.0,
+            seen: 0.0,
+            last: Instant::now(),
+        };
         Self { cancel, is_timed, is_reported, state: Mutex::new(state) }
     }
 
@@ -197,7 +208,7 @@ impl<'a> WorkProgress<'a> {
 
     /// Marks all work as done.
     pub fn finish(&self) {
-        self.change(|state| (state.done, state.total) = (1.0, 1.0));
+        self.change(|state| (state.done, state.total, state.is_finished) = (1.0, 1.0, true));
     }
 
     /// Returns [`ErrorKind::Cancelled`] once the work was stopped.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 
 /// The files of the C interface, in the order in which the header presents them.
-const SOURCES: [&str; 34] = [
+const SOURCES: [&str; 36] = [
     "status.rs",
     "last_error.rs",
     "types/mod.rs",
@@ -12,6 +12,7 @@ const SOURCES: [&str; 34] = [
     "types/material.rs",
     "types/texture.rs",
     "types/scene.rs",
+    "types/shape.rs",
     "types/sky.rs",
     "types/spectrum.rs",
     "types/light.rs",
@@ -31,6 +32,7 @@ const SOURCES: [&str; 34] = [
     "material.rs",
     "surface.rs",
     "mesh.rs",
+    "shape.rs",
     "motion.rs",
     "texture.rs",
     "film.rs",
@@ -81,6 +83,10 @@ const INITIALISERS: &str = r"/** Stands for no material, no surface. */
 #define ETD_MESH_INIT \
     {sizeof(etd_mesh), NULL, 0, 0, 0, NULL, 0, 0, NULL, 0, NULL, 0, ETD_POSITION_FLOAT3, ETD_COPY, NULL, NULL, NULL, \
      NULL, 0, NULL, 0, 0, NULL, 0}
+#define ETD_SHAPE_INIT \
+    {sizeof(etd_shape), ETD_SHAPE_NONE, ETD_NONE, 0, 0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, \
+     {0, 0, 0}, {0, 0, 0}, 0, {0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, {0, 0, 0}, {0, 0, 0}}
+#define ETD_MESH_INFO_INIT {sizeof(etd_mesh_info), 0, 0, 0, 0}
 #define ETD_TEXTURE_INIT \
     {sizeof(etd_texture), ETD_TEXTURE_IMAGE, ETD_COLOR_SPACE_BY_USE, NULL, NULL, 0, 0, 0, 0, ETD_TEXEL_UINT8, ETD_COPY, \
      ETD_TEXTURE_FILTER_BILINEAR, NULL, NULL, ETD_WRAP_REPEAT, ETD_WRAP_REPEAT, {{0, 0, 0}, {1, 1, 1}}, 0.1f, 1, 4, \

@@ -208,3 +208,29 @@ fn textures_go_along_with_what_turns() {
         assert!(seen > 80, "{seen}: {surface}");
     }
 }
+
+/// Hits of a moving triangle have the weights of its vertices in their order, also where the motion mirrors it all the time.
+#[test]
+fn a_moving_triangle_that_is_mirrored_keeps_the_order_of_its_vertices() {
+    let camera = json!({"origin": [0, 0, 4], "lookAt": [0, 0, 0], "up": [0, 1, 0], "fieldOfView": 60});
+    for scale in [1.0, -1.0] {
+        let motion = json!([
+            {"time": 0, "scale": [scale, 1, 1]}, {"time": 1, "scale": [scale, 1, 1], "translate": [1, 0, 0]}
+        ]);
+        let surfaces = json!([{
+            "geometry": "triangle", "vertex-1": [0, 0, 0], "vertex-2": [1, 0, 0], "vertex-3": [0, 1, 0], "material": "squares",
+            "motion": motion
+        }]);
+        let mut desc = parse(camera.clone(), surfaces);
+        desc.motion.shutter = ShutterDesc { open: 0.0, close: 1.0, ..desc.motion.shutter };
+        let scene = build(&desc).unwrap();
+        // A quarter along the first side and an eighth along the other.
+        let at = DVec3::new(0.25 * scale + 0.5, 0.125, 1.0);
+        let ray = Ray { time: 0.5, ..Ray::new(scene.to_scene(at), etendue::math::Vec3::NEG_Z) };
+        let hit = scene.intersect(&ray).expect("a hit");
+        let found = scene.describe_hit(&ray, &hit);
+        for weights in [found.barycentric, found.uv, scene.uv(&hit)] {
+            assert!((weights[0] - 0.25).abs() < 1e-5 && (weights[1] - 0.125).abs() < 1e-5, "{scale}: {weights:?}");
+        }
+    }
+}

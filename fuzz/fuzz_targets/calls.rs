@@ -707,6 +707,20 @@ impl World {
                 Call::GetSurface { surface } => {
                     let mut value: etd_surface = sized();
                     fine(etd_scene_get_surface(scene, u32::from(surface), &raw mut value));
+                    let mut shape: etd_shape = sized();
+                    fine(etd_scene_get_shape(scene, u32::from(surface), &raw mut shape));
+                    let mut mesh: etd_mesh_info = sized();
+                    if fine(etd_scene_get_mesh(scene, u32::from(surface), &raw mut mesh)) == ETD_OK {
+                        let counts = (mesh.vertex_count, mesh.triangle_count);
+                        let (mut positions, mut uvs) = (vec![[0.0_f64; 3]; counts.0], vec![[0.0_f32; 2]; counts.0]);
+                        let mut indices = vec![[0_u32; 3]; counts.1];
+                        let (positions, indices) = (positions.as_mut_ptr().cast(), indices.as_mut_ptr().cast());
+                        let uvs = if mesh.has_uvs == 0 { null_mut() } else { uvs.as_mut_ptr().cast() };
+                        let number = u32::from(surface);
+                        fine(etd_scene_copy_mesh(
+                            scene, number, counts.0, counts.1, positions, null_mut(), uvs, indices,
+                        ));
+                    }
                 }
                 Call::Commit { cancel } => {
                     fine(etd_scene_commit(scene, if cancel { Some(stop) } else { None }, null_mut()));
@@ -846,6 +860,8 @@ impl World {
                     let (t, positions) = (floats.as_mut_ptr(), doubles.as_mut_ptr());
                     let mut numbers = vec![0_u32; rays.len()];
                     let mut answers = vec![0_u8; rays.len()];
+                    let (mut uvs, mut weights) = (vec![[0.0_f32; 2]; rays.len()], vec![[0.0_f32; 2]; rays.len()]);
+                    let (mut normals, mut shading) = (vec![[0.0_f32; 3]; rays.len()], vec![[0.0_f32; 3]; rays.len()]);
                     let wants = |bit: u16| wanted & (1 << bit) != 0;
                     let query = etd_ray_query {
                         count: rays.len(),
@@ -864,9 +880,20 @@ impl World {
                         positions_stride: strides[1].into(),
                         surfaces: if wants(4) { numbers.as_mut_ptr() } else { null_mut() },
                         occluded: if wants(5) { answers.as_mut_ptr() } else { null_mut() },
+                        tfar: if wants(6) { &raw const first.tfar } else { null() },
+                        tfar_stride: size_of::<etd_ray>(),
+                        active: if wants(7) { rays.as_ptr().cast() } else { null() },
+                        active_stride: size_of::<etd_ray>(),
+                        uv: if wants(8) { uvs.as_mut_ptr().cast() } else { null_mut() },
+                        ng: if wants(9) { normals.as_mut_ptr().cast() } else { null_mut() },
+                        ns: if wants(9) { shading.as_mut_ptr().cast() } else { null_mut() },
+                        barycentric: if wants(10) { weights.as_mut_ptr().cast() } else { null_mut() },
                         ..sized()
                     };
                     fine(etd_scene_query(scene, &raw const query));
+                    let [width, height] = strides.map(|side| u32::from(side % 16));
+                    let mut of_camera = as_rays(&vec![[0.0; 8]; (width * height) as usize]);
+                    fine(etd_scene_camera_rays(scene, width, height, null(), of_camera.as_mut_ptr()));
                 }
                 Call::Text { which, capacity } => {
                     let mut buffer = vec![0; usize::from(capacity)];

@@ -1,7 +1,6 @@
 //! Ray queries of hosts, for picking, visibility and collision.
 
 use std::ptr::null_mut;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::boundary::{array, items, need, on, on_quickly, read_sized};
 use super::host_rays::{HostRay, HostRays, RayArray, trace};
@@ -76,7 +75,8 @@ pub unsafe extern "C" fn etd_scene_occluded(
 ///
 /// Only what is wanted is computed: numbers of surfaces, for example, need no data of the triangle that was hit. Results are the
 /// same for any number of threads, and those of `etd_scene_intersect`. Rays that cannot be traced are as there; one at a time outside
-/// [0, 1] cannot be traced either. A query of threads shares these with the renders of the device, with which it takes turns. Errors:
+/// [0, 1] cannot be traced either. Several threads are shared with the renders of the device, with which they take turns; in a process
+/// that was forked from the device's there is only the calling thread. Errors:
 /// `ETD_INVALID_OPERATION` before the first build, `ETD_INVALID_ARGUMENT` for a column that is not aligned or has a wrong stride, and
 /// for rays without origins or directions. Thread-safe.
 ///
@@ -86,7 +86,8 @@ pub unsafe extern "C" fn etd_scene_occluded(
 pub unsafe extern "C" fn etd_scene_query(scene: *const etd_scene, query: *const etd_ray_query) -> etd_status {
     // SAFETY: the caller keeps this function's contract.
     unsafe {
-        on_quickly(scene, |scene| {
+        // The threads of a host may give the scene back meanwhile.
+        on(scene, |scene| {
             let query = read_sized(query, "query")?;
             if query.reserved != 0 {
                 return Err(Failure::argument("query.reserved is not 0"));
@@ -97,11 +98,10 @@ pub unsafe extern "C" fn etd_scene_query(scene: *const etd_scene, query: *const 
             }
             let columns = RayColumns::of_query(&query)?;
             let workers = &scene.device.workers;
-            let threads = threads.min(workers.threads()).min(columns.count.div_ceil(SHARE));
-            match threads {
+            let threads = if workers.are_there() { threads.min(workers.threads()) } else { 1 };
+            match threads.min(columns.count.div_ceil(SHARE)) {
                 0 | 1 => scene.with_built(|scene| here(scene, &columns, columns.count))?,
-                // The threads keep the scene, in case that the call waits for them no longer.
-                _ => on_threads(&scene.with_built(Scene::clone)?, columns, workers, threads),
+                threads => on_threads(scene.with_built(Scene::clone)?, columns, workers, threads),
             }
         })
     }
@@ -174,25 +174,16 @@ unsafe fn here(scene: &Scene, rays: &impl HostRays, count: usize) -> Result {
     }
 }
 
-/// Traces the rays on several threads.
+/// Traces the rays on several threads, which keep a scene of their own because jobs of a pool borrow nothing.
 ///
 /// # Safety
 /// The contract of [`trace`].
-unsafe fn on_threads(scene: &Scene, columns: RayColumns, workers: &Workers, threads: usize) -> Result {
-    let scene = scene.clone();
-    let next = AtomicUsize::new(0);
-    let bad = workers.map(threads, move |_| {
-        let mut bad = None;
-        loop {
-            let first = next.fetch_add(SHARE, Ordering::Relaxed).min(columns.count);
-            let rays = first..columns.count.min(first + SHARE);
-            if rays.is_empty() {
-                return bad;
-            }
-            // SAFETY: by the contract of the outer function, which does not return before all threads have ended this; no ray is
-            // in two shares.
-            bad = bad.or(unsafe { trace(&columns, &scene, rays) });
-        }
+unsafe fn on_threads(scene: Scene, columns: RayColumns, workers: &Workers, threads: usize) -> Result {
+    let bad = workers.map(columns.count.div_ceil(SHARE), threads, move |share| {
+        let rays = share * SHARE..columns.count.min((share + 1) * SHARE);
+        // SAFETY: by the contract of the outer function, which does not return before all threads have ended this; no ray is
+        // in two shares.
+        unsafe { trace(&columns, &scene, rays) }
     })?;
     match bad.into_iter().flatten().min() {
         None => Ok(()),

@@ -190,7 +190,7 @@ impl HostRays for RayColumns {
                 self.positions.write(number, (at.point.p.as_dvec3() + scene.centre()).to_array());
             }
             if self.uv.is_some() {
-                self.uv.write(number, scene.hit_uv(hit));
+                self.uv.write(number, scene.uv(hit));
             }
         }
     }

@@ -46,7 +46,7 @@ pub struct LoadOptions {
     /// Stops the reading with [`ErrorKind::Cancelled`]: within a mesh file or an image, and between the meshes of a glTF file.
     pub cancel: Cancel,
     /// Called with the fraction of the bytes of mesh files and images that are read, which only grows, from one thread at a time; with 1
-    /// at the end. The sizes of images are known once the meshes are read.
+    /// at the end. The sizes of a glTF file's images are known once its meshes are read.
     pub progress: Option<Arc<dyn Fn(f64) + Send + Sync>>,
 }
 

@@ -142,8 +142,15 @@ impl Scene {
     #[inline(never)]
     fn recompute_barycentrics(&self, ray: &Ray, t: f32, [prim, geom, inst]: [u32; 3]) -> Option<[f32; 2]> {
         const LONGER: f32 = (1_u64 << 60) as f32;
-        let owner = if inst == Hit::NO_INSTANCE { geom } else { inst };
-        if !matches!(self.inner.data[owner as usize], GeometryData::Triangles(_) | GeometryData::Instance(_)) {
+        let own = |number: u32| &self.inner.data[number as usize];
+        let hit = match inst {
+            Hit::NO_INSTANCE => own(geom),
+            _ => match own(inst) {
+                GeometryData::Instance(child) => &child.inner.data[geom as usize],
+                other => other,
+            },
+        };
+        if !matches!(hit, GeometryData::Triangles(_)) {
             return None;
         }
         let t = t / LONGER;

@@ -30,17 +30,18 @@ pub(crate) struct WorkerPool<'a> {
 }
 
 impl Workers {
-    /// Calls `piece` with each number below `count` on all threads, and returns the results in the order of the numbers.
+    /// Calls `piece` with each number below `count` on at most `most` of the threads, and returns the results in the order of the
+    /// numbers. Between two pieces the threads take turns with other work that they have.
     ///
     /// # Errors
     /// [`ErrorKind::Internal`] if `piece` panicked, [`ErrorKind::Unsupported`] for a pool of the process that this one was forked
     /// from.
-    pub fn map<R, F>(&self, count: usize, piece: F) -> Result<Vec<R>>
+    pub fn map<R, F>(&self, count: usize, most: usize, piece: F) -> Result<Vec<R>>
     where
         R: Send + 'static,
         F: Fn(usize) -> R + Send + Sync + 'static,
     {
-        WorkerPool::new(self, &Cancel::new(), None, &mut |_| false).map(count, piece)
+        WorkerPool::new(self, &Cancel::new(), None, &mut |_| false).map_on(most, count, piece)
     }
 }
 
@@ -108,8 +109,20 @@ impl Parallel for WorkerPool<'_> {
         R: Send + 'static,
         F: Fn(usize) -> R + Send + Sync + 'static,
     {
+        self.map_on(usize::MAX, count, piece)
+    }
+}
+
+impl WorkerPool<'_> {
+    /// [`Parallel::map`] on at most `most` threads.
+    fn map_on<R, F>(&mut self, most: usize, count: usize, piece: F) -> Result<Vec<R>>
+    where
+        R: Send + 'static,
+        F: Fn(usize) -> R + Send + Sync + 'static,
+    {
         self.check()?;
         let pieces = Pieces {
+            most,
             results: (0..count).map(|_| Mutex::new(None)).collect(),
             piece,
             next: AtomicUsize::new(0),
@@ -139,6 +152,8 @@ fn stopped() -> Error {
 
 /// The pieces of one [`Parallel::map`] and their results.
 struct Pieces<R, F> {
+    /// Greatest number of threads.
+    most: usize,
     results: Vec<Mutex<Option<R>>>,
     piece: F,
     next: AtomicUsize,
@@ -183,7 +198,7 @@ where
     }
 
     fn shares(&self) -> usize {
-        self.results.len()
+        self.results.len().min(self.most)
     }
 }
 

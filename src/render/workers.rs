@@ -115,6 +115,14 @@ impl Workers {
         }
     }
 
+    /// Whether the threads are there: those of a pool are only in the process that made it, not in one that was forked from it.
+    pub fn are_there(&self) -> bool {
+        match &*self.0 {
+            WorkerKind::Pool(pool) => pool.process == std::process::id(),
+            WorkerKind::Calling | WorkerKind::Host { .. } => true,
+        }
+    }
+
     /// Does the work on all threads and returns once it is done. `poll` is called on the calling thread about every
     /// [`SharedWork::poll_interval`].
     ///
@@ -122,9 +130,7 @@ impl Workers {
     /// [`ErrorKind::Internal`] if the work panicked, [`ErrorKind::Unsupported`] for a pool of the process that this one was
     /// forked from.
     pub(super) fn run<W: SharedWork>(&self, work: W, poll: &mut dyn FnMut(&W)) -> Result<Arc<W>> {
-        if let WorkerKind::Pool(pool) = &*self.0
-            && pool.process != std::process::id()
-        {
+        if !self.are_there() {
             let message = "the threads are those of the process that this one was forked from, expected threads that were \
                  started after the fork";
             return Err(Error::new(ErrorKind::Unsupported, message));

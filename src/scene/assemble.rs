@@ -362,7 +362,8 @@ impl Assembler<'_, '_> {
         let embree = if self.geometries.is_empty() {
             None
         } else {
-            let units = cost::HIERARCHY * (self.facts.triangles + self.facts.embree_shapes) as f64;
+            let primitives = self.facts.triangles + self.facts.embree_shapes;
+            let units = cost::HIERARCHY * primitives.saturating_sub(self.singles.count()) as f64;
             let embree = self.embree;
             let embree = self.progress.within(units, |report| embree.commit(Some(report)))?;
             self.facts.embree_bytes += embree.hierarchy_bytes();

@@ -110,7 +110,7 @@ impl Assembler<'_, '_> {
                 };
                 let places: Vec<_> = moving.steps.iter().map(at).collect();
                 if places.iter().any(|corners| Triangle::new(*corners).is_some()) {
-                    let is_mirrored = is_mirrored(&surface.to_world());
+                    let is_mirrored = is_mirrored(&moving.steps[0]);
                     parts.push(Part { surface: moving.surface as u32, half: half as u32, is_mirrored });
                     for (step, corners) in steps.iter_mut().zip(places) {
                         step.extend(corners.map(|corner| corner.to_array()));

@@ -49,8 +49,8 @@ impl Scene {
     ///   frame.
     /// - Any other edit is an edit of geometry. From the first such edit on, and from the beginning where
     ///   [`BuildOptions::dynamic`] was set, larger meshes that do not emit have hierarchies of their own, which are
-    ///   reused. All other geometry is built anew: triangles, quads, small meshes, meshes that emit, and analytic
-    ///   shapes. The first edit of a scene that was not built with [`BuildOptions::dynamic`] therefore costs as much as
+    ///   reused. So have single triangles and quads, and single analytic shapes, if there are more than 1024 of the kind; they are
+    ///   reused while none of the kind is edited and the origin of the scene frame stays. All other geometry is built anew. The first edit of a scene that was not built with [`BuildOptions::dynamic`] therefore costs as much as
     ///   a build.
     ///
     /// # Errors

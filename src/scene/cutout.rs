@@ -5,7 +5,7 @@
 //! it is traced (Pharr, Jakob, Humphreys 2023, Sec. 7.1.1). In scenes with such surfaces each path has a time of its own even
 //! where nothing moves, so that two samples of a pixel decide independently where they have the same camera ray.
 
-use super::hit::{Hit, IN_LIST};
+use super::hit::Hit;
 use super::{Scene, SurfaceDetail};
 use crate::math::Ray;
 
@@ -29,12 +29,7 @@ impl Scene {
 
     /// Decides whether the ray meets the surface.
     fn meets(&self, ray: &Ray, hit: &Hit) -> bool {
-        let owner = if hit.geometry == IN_LIST {
-            self.bindings.list_owners[hit.primitive as usize]
-        } else {
-            self.bindings.owners[hit.geometry as usize].of(hit.primitive)
-        };
-        let material = self.material(owner.material);
+        let material = self.material(self.owner(hit).material);
         if material.is_opaque() {
             return true;
         }

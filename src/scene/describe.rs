@@ -41,7 +41,7 @@ impl Scene {
         HitDescription {
             t: hit.t,
             barycentric,
-            uv: self.hit_uv(hit),
+            uv: self.uv(hit),
             ng: interaction.ng,
             ns: interaction.ns,
             surface,
@@ -73,12 +73,6 @@ impl Scene {
             }
             Some(Geometry::Analytic { .. }) | None => ([0.0; 2], 0),
         }
-    }
-
-    /// The texture coordinates, as [`HitDescription`] has them.
-    #[inline]
-    pub fn hit_uv(&self, hit: &Hit) -> [f32; 2] {
-        self.uv(hit)
     }
 
     /// Returns whether a ray can be traced at all: its numbers are finite (`tfar` may be infinite), its direction is

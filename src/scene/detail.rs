@@ -196,8 +196,9 @@ impl Scene {
         }
     }
 
-    /// The texture coordinates of a point.
-    pub(super) fn uv(&self, hit: &Hit) -> [f32; 2] {
+    /// The texture coordinates of a hit, as [`HitDescription`](super::HitDescription) has them.
+    #[inline]
+    pub fn uv(&self, hit: &Hit) -> [f32; 2] {
         self.corner_uvs(hit).map_or([0.0; 2], |corners| interpolated(corners, hit.weights()))
     }
 

@@ -13,8 +13,8 @@ pub struct BuildOptions {
     /// Embree's device; `None` opens one for the scene. [`Scene::rebuild`](super::Scene::rebuild) keeps the device that
     /// the scene has.
     pub device: Option<Device>,
-    /// Whether geometry will be changed, added or removed later. If so, larger meshes get hierarchies of their own, so
-    /// that [`Scene::rebuild`](super::Scene::rebuild) rebuilds only the parts that changed, at some cost for each ray.
+    /// Whether geometry will be changed, added or removed later. If so, larger meshes get hierarchies of their own, and
+    /// so do many single triangles and shapes, so that [`Scene::rebuild`](super::Scene::rebuild) rebuilds only the parts that changed, at some cost for each ray.
     pub dynamic: bool,
     /// Stops the build with [`crate::ErrorKind::Cancelled`].
     pub cancel: Cancel,

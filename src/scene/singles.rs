@@ -28,6 +28,14 @@ pub(super) struct Singles {
     pub shapes: Option<Arc<SingleShapes>>,
 }
 
+impl Singles {
+    /// Number of triangles and shapes.
+    pub fn count(&self) -> usize {
+        self.triangles.as_ref().map_or(0, |object| object.parts.len())
+            + self.shapes.as_ref().map_or(0, |object| object.surfaces.len())
+    }
+}
+
 /// All triangles and quads that rest.
 pub(super) struct SingleTriangles {
     scene: embree::Scene,
@@ -120,7 +128,7 @@ impl Assembler<'_, '_> {
     fn note_own(&mut self, count: usize, what: &str) {
         self.facts.decisions.push(format!(
             "{count} single {what} are more than {OWN_HIERARCHY}: they have a hierarchy of their own, which edits of other surfaces leave as \
-             it is"
+             it is while the origin of the frame stays"
         ));
     }
 }

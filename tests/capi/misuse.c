@@ -379,6 +379,19 @@ static etd_status n_scene_get_surface(void) {
     etd_surface *surface = AT(1, sized_output(sizeof *surface));
     return CALL(etd_scene_get_surface(SCENE(0), 0, surface));
 }
+static etd_status n_scene_get_shape(void) {
+    etd_shape *shape = AT(1, sized_output(sizeof *shape));
+    return CALL(etd_scene_get_shape(SCENE(0), 0, shape));
+}
+static etd_status n_scene_get_mesh(void) {
+    etd_mesh_info *info = AT(1, sized_output(sizeof *info));
+    return CALL(etd_scene_get_mesh(SCENE(0), mesh_number, info));
+}
+static etd_status n_scene_copy_mesh(void) {
+    double *positions = AT(1, output(9 * sizeof *positions));
+    uint32_t *indices = AT(2, output(3 * sizeof *indices));
+    return CALL(etd_scene_copy_mesh(SCENE(0), mesh_number, 3, 1, positions, NULL, NULL, indices));
+}
 static etd_status n_scene_find_material(void) {
     uint32_t *number = AT(2, output(sizeof *number));
     return CALL(etd_scene_find_material(SCENE(0), AT(1, "white"), number));
@@ -964,6 +977,9 @@ static const struct {
     {"etd_scene_set_spectrum", n_scene_set_spectrum, 2, 1, 1},
     {"etd_scene_get_spectrum", n_scene_get_spectrum, 2, 3, 1},
     {"etd_scene_get_surface", n_scene_get_surface, 2, 3, 1},
+    {"etd_scene_get_shape", n_scene_get_shape, 2, 3, 1},
+    {"etd_scene_get_mesh", n_scene_get_mesh, 2, 3, 1},
+    {"etd_scene_copy_mesh", n_scene_copy_mesh, 3, 1, 1},
     {"etd_scene_find_material", n_scene_find_material, 3, 7, 1},
     {"etd_scene_find_mesh", n_scene_find_mesh, 3, 7, 1},
     {"etd_scene_find_surface", n_scene_find_surface, 3, 7, 1},

@@ -341,6 +341,72 @@ static void look(etd_scene *made) {
     CHECK_STATUS(etd_scene_camera_rays(made, 1 << 16, 1 << 16, NULL, rays), ETD_INVALID_ARGUMENT);
 }
 
+/* What a scene is, read back: the shapes that were added, by whatever call, and the arrays of a mesh. */
+static void read_back(etd_scene *made) {
+    static const etd_shape_kind kinds[6] = {ETD_SHAPE_SPHERE, ETD_SHAPE_QUAD, ETD_SHAPE_TRIANGLE,
+                                            ETD_SHAPE_MESH,   ETD_SHAPE_MESH, ETD_SHAPE_QUADRIC};
+    etd_scene_info info = ETD_SCENE_INFO_INIT;
+    etd_shape shape = ETD_SHAPE_INIT;
+    etd_mesh_info mesh = ETD_MESH_INFO_INIT;
+    etd_surface surface = matt();
+    double positions[9];
+    float mesh_normals[9], mesh_uvs[6];
+    uint32_t indices[3], number, i;
+    static const double axis[3] = {1, 0, 0};
+    CHECK_OK(etd_scene_add_cylinder(made, centre, axis, 0.5, 2, &surface, &number));
+    CHECK_OK(etd_scene_commit(made, NULL, NULL));
+    CHECK_OK(etd_scene_get_info(made, &info));
+    CHECK(info.surfaces == 6 && info.meshes == 1);
+    for (i = 0; i < 6; ++i) {
+        CHECK_OK(etd_scene_get_shape(made, i, &shape));
+        CHECK(shape.kind == kinds[i] && shape.mesh == (kinds[i] == ETD_SHAPE_MESH ? 0 : ETD_NONE));
+        if (i == 0) {
+            CHECK(shape.radius == 1 && memcmp(shape.centre, centre, sizeof shape.centre) == 0 && shape.frame[5] == 1);
+        } else if (i == 1) {
+            CHECK(shape.vertices[0] == -4 && shape.vertices[1] == -1 && shape.vertices[11] == -4);
+        } else if (i == 2) {
+            CHECK(shape.vertices[0] == -3 && shape.vertices[7] == 2 && shape.vertices[9] == 0);
+        } else if (i == 5) {
+            /* A point of its own frame that is on the quadric is on the cylinder. */
+            const double *f = shape.frame, *c = shape.coefficients;
+            const double radius = c[9] == 0 ? 0 : sqrt(-c[9] / c[0]), p[3] = {radius, 0, 0};
+            double q[3];
+            int k;
+            for (k = 0; k < 3; ++k) {
+                q[k] = f[4 * k] * p[0] + f[4 * k + 1] * p[1] + f[4 * k + 2] * p[2] + f[4 * k + 3];
+            }
+            CHECK(fabs((q[1] - 1) * (q[1] - 1) + q[2] * q[2] - 0.25) < 1e-12 && shape.clip_max[1] > shape.clip_min[1]);
+        }
+    }
+    CHECK_OK(etd_scene_get_mesh(made, 0, &mesh));
+    CHECK(mesh.vertex_count == 3 && mesh.triangle_count == 1 && mesh.has_normals == 1 && mesh.has_uvs == 1);
+    CHECK_OK(etd_scene_copy_mesh(made, 0, 3, 1, positions, mesh_normals, mesh_uvs, indices));
+    for (i = 0; i < 9; ++i) {
+        CHECK(positions[i] == (double)small_positions[i] && mesh_normals[i] == small_positions[i]);
+    }
+    CHECK(mesh_uvs[0] == 0.25f && mesh_uvs[5] == 1 && memcmp(indices, small_indices, sizeof indices) == 0);
+    positions[0] = 7;
+    CHECK_STATUS(etd_scene_copy_mesh(made, 0, 4, 1, positions, NULL, NULL, NULL), ETD_INVALID_ARGUMENT);
+    CHECK_STATUS(etd_scene_copy_mesh(made, 0, 3, 1, positions, (float *)(void *)((char *)mesh_uvs + 1), NULL, NULL),
+                 ETD_INVALID_ARGUMENT);
+    CHECK_STATUS(etd_scene_copy_mesh(made, 1, 3, 1, positions, NULL, NULL, NULL), ETD_INVALID_ARGUMENT);
+    CHECK(positions[0] == 7);
+    CHECK_STATUS(etd_scene_get_shape(made, 6, &shape), ETD_INVALID_ARGUMENT);
+    CHECK_STATUS(etd_scene_get_mesh(made, 1, &mesh), ETD_INVALID_ARGUMENT);
+    /* A mesh without normals and texture coordinates, and a surface that is removed. */
+    {
+        const etd_mesh plain = small_mesh();
+        CHECK_OK(etd_scene_add_mesh(made, &plain, &number));
+        CHECK_OK(etd_scene_get_mesh(made, number, &mesh));
+        CHECK(mesh.has_normals == 0 && mesh.has_uvs == 0);
+        CHECK_STATUS(etd_scene_copy_mesh(made, number, 3, 1, positions, NULL, mesh_uvs, NULL), ETD_INVALID_ARGUMENT);
+        CHECK_OK(etd_scene_copy_mesh(made, number, 3, 1, NULL, NULL, NULL, indices));
+    }
+    CHECK_OK(etd_scene_remove_surface(made, 1));
+    CHECK_OK(etd_scene_get_shape(made, 1, &shape));
+    CHECK(shape.kind == ETD_SHAPE_NONE && shape.vertices[0] == 0);
+}
+
 void misuse_queries(void) {
     etd_scene *made = things();
     etd_ray_query query = of_rays();
@@ -353,5 +419,6 @@ void misuse_queries(void) {
     leave_out(made);
     refuse_columns(made);
     look(made);
+    read_back(made);
     etd_scene_release(made);
 }

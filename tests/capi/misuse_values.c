@@ -187,6 +187,10 @@ static etd_status s_get_render_options(void) {
 static etd_status s_progress(void) { return etd_task_poll(task, (etd_progress *)(void *)&structure); }
 static etd_status s_summary(void) { return etd_film_get_summary(film, (etd_summary *)(void *)&structure); }
 static etd_status s_scene_info(void) { return etd_scene_get_info(scene, (etd_scene_info *)(void *)&structure); }
+static etd_status s_shape(void) { return etd_scene_get_shape(scene, 0, (etd_shape *)(void *)&structure); }
+static etd_status s_mesh_info(void) {
+    return etd_scene_get_mesh(scene, mesh_number, (etd_mesh_info *)(void *)&structure);
+}
 static etd_status s_ray_query(void) { return etd_scene_query(scene, (etd_ray_query *)(void *)&structure); }
 static etd_status s_map(void) {
     etd_map *map = (etd_map *)(void *)&structure;
@@ -228,6 +232,8 @@ static void i_render_options(void) { INIT(etd_render_options, ETD_RENDER_OPTIONS
 static void i_progress(void) { INIT(etd_progress, ETD_PROGRESS_INIT); }
 static void i_summary(void) { INIT(etd_summary, ETD_SUMMARY_INIT); }
 static void i_scene_info(void) { INIT(etd_scene_info, ETD_SCENE_INFO_INIT); }
+static void i_shape(void) { INIT(etd_shape, ETD_SHAPE_INIT); }
+static void i_mesh_info(void) { INIT(etd_mesh_info, ETD_MESH_INFO_INIT); }
 static void i_ray_query(void) { INIT(etd_ray_query, ETD_RAY_QUERY_INIT); }
 static void i_map(void) { INIT(etd_map, ETD_MAP_INIT); }
 static void i_image_options(void) { INIT(etd_image_options, ETD_IMAGE_OPTIONS_INIT); }
@@ -296,6 +302,8 @@ static void pass_wrong_sizes(void) {
         {"etd_progress", i_progress, s_progress, sizeof(etd_progress), offsetof(etd_progress, images), 1},
         {"etd_summary", i_summary, s_summary, sizeof(etd_summary), offsetof(etd_summary, cancelled), 1},
         {"etd_scene_info", i_scene_info, s_scene_info, sizeof(etd_scene_info), offsetof(etd_scene_info, build_time), 1},
+        {"etd_shape", i_shape, s_shape, sizeof(etd_shape), offsetof(etd_shape, clip_max), 1},
+        {"etd_mesh_info", i_mesh_info, s_mesh_info, sizeof(etd_mesh_info), offsetof(etd_mesh_info, has_uvs), 1},
         {"etd_ray_query", i_ray_query, s_ray_query, sizeof(etd_ray_query), offsetof(etd_ray_query, primitives_stride), 0},
         {"etd_map", i_map, s_map, sizeof(etd_map), offsetof(etd_map, id), 1},
         {"etd_image_options", i_image_options, s_image_options, sizeof(etd_image_options),

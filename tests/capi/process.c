@@ -129,6 +129,25 @@ static void after_fork(void) {
         CHECK_OK(etd_scene_commit(scene, NULL, NULL));
         CHECK_OK(etd_scene_intersect(scene, &ray, 1, &hit));
         CHECK(hit.surface == 1);
+        {
+            /* As many rays as several threads would trace, of which there is one. */
+            enum { COUNT = 5000 };
+            static etd_ray rays[COUNT];
+            static uint32_t surfaces[COUNT];
+            etd_ray_query query = ETD_RAY_QUERY_INIT;
+            int i;
+            for (i = 0; i < COUNT; ++i) {
+                rays[i] = ray;
+            }
+            query.count = COUNT;
+            query.threads = 8;
+            query.origins = rays[0].origin;
+            query.directions = rays[0].direction;
+            query.origins_stride = query.directions_stride = sizeof *rays;
+            query.surfaces = surfaces;
+            CHECK_OK(etd_scene_query(scene, &query));
+            CHECK(surfaces[0] == 1 && surfaces[COUNT - 1] == 1);
+        }
         CHECK_STATUS(etd_render(scene, film, &options), ETD_UNSUPPORTED);
         CHECK_OK(etd_render_start(scene, film, &options, &task));
         CHECK_STATUS(etd_task_wait(task, -1), ETD_UNSUPPORTED);

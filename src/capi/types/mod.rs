@@ -52,6 +52,7 @@ mod motion;
 mod query;
 mod render;
 mod scene;
+mod shape;
 mod sky;
 mod spectrum;
 mod texture;
@@ -66,6 +67,7 @@ pub use motion::*;
 pub use query::*;
 pub use render::*;
 pub use scene::*;
+pub use shape::*;
 pub use sky::*;
 pub use spectrum::*;
 pub use texture::*;
@@ -122,6 +124,8 @@ mod numbers {
     pub type EtdAtlasLayout = u32;
     /// The enumeration of this name, as a number.
     pub type EtdSide = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdShapeKind = u32;
     /// The enumeration of this name, as a number.
     pub type EtdTextureKind = u32;
     /// The enumeration of this name, as a number.

@@ -20,8 +20,8 @@ pub enum etd_usage {
     /// All geometry is in one hierarchy where possible, which is fastest to trace. At the first change of geometry after a
     /// build, the scene becomes dynamic.
     ETD_USAGE_STATIC = 0,
-    /// Every larger mesh has a hierarchy of its own, so that other meshes are not rebuilt when a surface is added, moved or
-    /// removed.
+    /// Every larger mesh has a hierarchy of its own, and so have single triangles and single shapes where they are many, so that the others
+    /// are not rebuilt when a surface is added, moved or removed.
     ETD_USAGE_DYNAMIC = 1,
 }
 

@@ -9,6 +9,7 @@ use std::path::Path;
 
 use super::mtl::{Library, keyword, settle_opacity};
 use super::mtl_maps::{Ground, Maps};
+use super::watched::image_bytes;
 use super::{Place, Source, obj};
 use crate::control::WorkProgress;
 use crate::desc::json::{did_you_mean, elided};
@@ -146,6 +147,8 @@ impl MaterialUses {
 /// Reads the file and the material libraries that it names, with a part for each material that a face has, in the order of their
 /// first faces.
 pub(super) fn load(source: Source<'_, '_>, warnings: &mut Vec<String>, work: &WorkProgress<'_>) -> Result<Parts> {
+    let guessed = image_bytes(source.path, work);
+    work.expect(guessed);
     let place = source.place();
     let (path, json_path) = (place.path, place.json_path);
     let mut noted = Vec::new();
@@ -165,6 +168,8 @@ pub(super) fn load(source: Source<'_, '_>, warnings: &mut Vec<String>, work: &Wo
     let mut split = Splitter { vertices: vec![u32::MAX; mesh.positions.len()], mesh: &mesh };
     let (mut parts, mut first) = (Vec::with_capacity(numbered.len()), 0);
     let mut maps = Maps::new(place);
+    // From here on the images are known by themselves.
+    work.expect(-guessed);
     if !mesh.uvs.is_empty() {
         let used = numbered.iter().filter_map(|((name, _), _)| library.find(name));
         maps.read_ahead(used.flat_map(|entry| entry.maps()), work)?;
