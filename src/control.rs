@@ -116,8 +116,7 @@ impl ProgressState<'_> {
     fn report_steps(&mut self) {
         if let Some(Report::BySteps(report)) = &self.report {
             // Where there is more work than was expected, the fraction falls. The last one is reported again as the work goes on, so that
-            // the callback can always stop it.
-            // What was not expected may still be to come: only the end is told as 1.
+            // the callback can always stop it. What was not expected may still be to come, so only the end is told as 1.
             let fraction = if self.is_finished { 1.0 } else { self.fraction().min(1.0 - STEP) };
             self.seen = self.seen.min(fraction);
             if fraction >= self.seen + STEP || (fraction == 1.0 && self.reported < 1.0) {

@@ -49,9 +49,10 @@ impl Scene {
     ///   frame.
     /// - Any other edit is an edit of geometry. From the first such edit on, and from the beginning where
     ///   [`BuildOptions::dynamic`] was set, larger meshes that do not emit have hierarchies of their own, which are
-    ///   reused. So have single triangles and quads, and single analytic shapes, if there are more than 1024 of the kind; they are
-    ///   reused while none of the kind is edited and the origin of the scene frame stays. All other geometry is built anew. The first edit of a scene that was not built with [`BuildOptions::dynamic`] therefore costs as much as
-    ///   a build.
+    ///   reused. So have single triangles and quads, and single analytic shapes, if there are more than 1024 of the kind;
+    ///   they are reused while none of the kind is edited and the origin of the scene frame stays. All other geometry is
+    ///   built anew. The first edit of a scene that was not built with [`BuildOptions::dynamic`] therefore costs as much
+    ///   as a build.
     ///
     /// # Errors
     /// The errors are those of [`Scene::build`].
