@@ -1,5 +1,6 @@
 /* Ray queries by columns: the same hits as etd_scene_intersect whatever the memory, the threads and the choice of values, and what
  * is refused. */
+#define _POSIX_C_SOURCE 200809L
 #include "misuse.h"
 
 #include <math.h>
