@@ -408,6 +408,51 @@ static void read_back(etd_scene *made) {
     CHECK(shape.kind == ETD_SHAPE_NONE && shape.vertices[0] == 0);
 }
 
+/* The threads of a host: they run what they are given at once, and the first gives back the last references that the host has. */
+static struct {
+    etd_device *device;
+    etd_scene *scene;
+    int jobs;
+} given;
+
+static void submit(void *user_data, etd_work_fn work, void *argument) {
+    (void)user_data;
+    given.jobs++;
+    etd_scene_release(given.scene);
+    etd_device_release(given.device);
+    given.scene = NULL;
+    given.device = NULL;
+    work(argument);
+}
+
+static void ask_on_host_threads(void) {
+    etd_device_options options = ETD_DEVICE_OPTIONS_INIT;
+    etd_ray_query query = of_rays();
+    etd_device *own = device;
+    size_t met = 0;
+    int i;
+    options.threads = 4;
+    options.submit = submit;
+    CHECK_OK(etd_device_new(&options, &given.device));
+    device = given.device;
+    given.scene = things();
+    device = own;
+    CHECK_OK(etd_scene_commit(given.scene, NULL, NULL));
+    throw_rays();
+    rays[RAYS - 1].direction[1] = (float)NAN;
+    query.threads = 4;
+    query.surfaces = primitives;
+    given.jobs = 0;
+    CHECK_STATUS(etd_scene_query(given.scene, &query), ETD_INVALID_ARGUMENT);
+    CHECK(given.jobs > 0 && given.scene == NULL && strstr(etd_last_error_message(), "ray 9000") != NULL);
+    for (i = 0; i < RAYS - 1; ++i) {
+        CHECK((primitives[i] == ETD_NONE) == (hits[i].surface == ETD_NONE));
+        met += primitives[i] != ETD_NONE;
+    }
+    CHECK(met > RAYS / 4 && primitives[RAYS - 1] == ETD_NONE);
+    throw_rays();
+}
+
 void misuse_queries(void) {
     etd_scene *made = things();
     etd_ray_query query = of_rays();
@@ -416,6 +461,7 @@ void misuse_queries(void) {
     CHECK_STATUS(etd_scene_camera_rays(made, 2, 2, NULL, rays), ETD_INVALID_OPERATION);
     CHECK_OK(etd_scene_commit(made, NULL, NULL));
     ask(made);
+    ask_on_host_threads();
     ask_for_one(made);
     leave_out(made);
     refuse_columns(made);
