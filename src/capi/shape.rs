@@ -10,7 +10,7 @@ use super::types::{
     ETD_SHAPE_TRIANGLE, Enumeration, etd_mesh_info, etd_shape,
 };
 use crate::desc::{MeshDesc, ShapeDesc, SurfaceDesc};
-use crate::math::{DAffine3, DVec3};
+use crate::math::DVec3;
 
 /// A shape of which nothing is set but its size.
 const NO_SHAPE: etd_shape = etd_shape {
@@ -65,8 +65,7 @@ fn shape_of(surface: &SurfaceDesc) -> etd_shape {
             ..NO_SHAPE
         },
     };
-    let frame = if surface.local == DAffine3::IDENTITY { NO_SHAPE.frame } else { read::transform_out(&surface.local) };
-    etd_shape { frame, ..shape }
+    etd_shape { frame: read::transform_out(&surface.local), ..shape }
 }
 
 /// Returns what a surface is, as described now. Surfaces are numbered from 0; `etd_scene_info.surfaces` says how many there are. A surface

@@ -179,11 +179,7 @@ impl<'a> Builder<'a> {
         if let Some(mesh) = self.files.get(&identity) {
             return Ok(*mesh);
         }
-        let warnings = &mut self.scene.warnings;
-        let mesh = match keep_degenerate {
-            true => mesh_files::load_whole(&file, path, warnings, self.work)?,
-            false => mesh_files::load(&file, path, warnings, self.work)?,
-        };
+        let mesh = mesh_files::load(&file, path, keep_degenerate, &mut self.scene.warnings, self.work)?;
         let mesh = self.scene.put_mesh(mesh);
         self.scene.files.push(file);
         self.files.insert(identity, mesh);

@@ -188,7 +188,7 @@ impl SceneDesc {
         let at = join(&path, "file");
         mesh_files::check_name(&at, file)?;
         // The loader adds warnings only once no error can occur any more.
-        let mesh = mesh_files::load(file, &at, &mut self.warnings, &WorkProgress::new(&Cancel::new()))?;
+        let mesh = mesh_files::load(file, &at, false, &mut self.warnings, &WorkProgress::new(&Cancel::new()))?;
         self.files.push(file.to_owned());
         let number = self.put_mesh(mesh);
         self.index.name_mesh(name.to_owned(), number);

@@ -53,7 +53,7 @@ fn z_to_y() -> DAffine3 {
 
 fn grey(path: &Path, transform: DAffine3, work: &WorkProgress<'_>) -> Result<SceneDesc> {
     let mut scene = SceneDesc::default();
-    let mesh = mesh_files::load(path, "", &mut scene.warnings, work)?;
+    let mesh = mesh_files::load(path, "", false, &mut scene.warnings, work)?;
     scene.files.push(path.to_owned());
     let smooth = mesh.has_normals();
     let material = if mesh.colors.is_empty() {

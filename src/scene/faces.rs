@@ -123,7 +123,7 @@ impl Scene {
                     // Loose triangles are sorted by their surfaces.
                     let key = (surface, primitive);
                     if let Ok(i) = parts.binary_search_by_key(&key, |part| (part.surface, part.half)) {
-                        return Some((first + i as u32, self.record.is_mirrored(surface)));
+                        return Some((first + i as u32, parts[i].is_mirrored));
                     }
                 }
                 Geometry::Flat { triangles, surface: own, .. } | Geometry::Instance { triangles, surface: own, .. }

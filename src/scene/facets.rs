@@ -72,7 +72,7 @@ impl Scene {
                         let range = begin..begin + group.len();
                         begin = range.end;
                         let mut mesh = SurfaceMesh { surface: group[0].surface, ..SurfaceMesh::default() };
-                        let mirrored = self.record.is_mirrored(mesh.surface);
+                        let mirrored = group[0].is_mirrored;
                         for primitive in range {
                             let facet = Facet::triangle(geometry_number, primitive as u32);
                             let corners = triangles.corners(primitive as u32, 0.0).map(|corner| corner + self.centre);

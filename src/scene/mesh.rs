@@ -9,7 +9,7 @@ use super::lower;
 use crate::buffer::Buffer;
 use crate::control::WorkProgress;
 use crate::desc::{HostMesh, MeshDesc};
-use crate::embree::{self, Device, MAX_COORDINATE, SceneBuilder, SceneOptions, TriangleMesh, VertexBuffer};
+use crate::embree::{self, Device, GeometryId, MAX_COORDINATE, SceneBuilder, SceneOptions, TriangleMesh, VertexBuffer};
 use crate::error::{Error, Result};
 use crate::math::{Bounds, DAffine3, DMat3, DVec3, Vec3};
 use crate::room::{filled, with_room};
@@ -259,14 +259,24 @@ pub(super) fn object(
     let content = match made.triangles {
         None => None,
         Some(triangles) => {
-            let mut object = SceneBuilder::cancellable(device, SceneOptions::default(), &progress.cancel)?;
-            object.add_triangles(triangles.mesh.clone())?;
-            let units = cost::HIERARCHY * triangles.mesh.indices().len() as f64;
-            let object = progress.within(units, |report| object.commit(Some(report)))?;
+            let count = triangles.mesh.indices().len();
+            let object = hierarchy(count, device, progress, |object| object.add_triangles(triangles.mesh.clone()))?;
             Some((object, triangles))
         }
     };
     Ok(MeshObject { content, middle, dropped: made.dropped })
+}
+
+/// Builds a hierarchy of its own for what `add` adds to it, which has `count` primitives.
+pub(super) fn hierarchy(
+    count: usize,
+    device: &Device,
+    progress: &WorkProgress,
+    add: impl FnOnce(&mut SceneBuilder) -> Result<GeometryId>,
+) -> Result<embree::Scene> {
+    let mut builder = SceneBuilder::cancellable(device, SceneOptions::default(), &progress.cancel)?;
+    add(&mut builder)?;
+    progress.within(cost::HIERARCHY * count as f64, |report| builder.commit(Some(report)))
 }
 
 /// Records which triangles of a mesh have an area.

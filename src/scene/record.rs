@@ -195,12 +195,6 @@ impl GeometryRecord {
     pub(super) fn is_quad(&self, surface: u32) -> bool {
         self.surfaces.get(surface as usize).is_some_and(|placed| matches!(placed.shape, ShapeDesc::Quad(_)))
     }
-
-    /// Whether a surface's transform turns a right-handed frame into a left-handed one.
-    pub(super) fn is_mirrored(&self, surface: u32) -> bool {
-        let placed = self.surfaces.get(surface as usize);
-        placed.is_some_and(|placed| super::lower::is_mirrored(&placed.to_world()))
-    }
 }
 
 impl SurfaceKey {

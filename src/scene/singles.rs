@@ -7,11 +7,12 @@ use std::sync::Arc;
 
 use super::analytic::AnalyticGeometry;
 use super::assemble::Assembler;
-use super::cost;
 use super::geometry::{Geometry, Part};
 use super::interaction::Triangles;
+use super::mesh::hierarchy;
+use super::record::GeometryRecord;
 use crate::desc::{SceneDesc, ShapeDesc};
-use crate::embree::{self, SceneBuilder, SceneOptions};
+use crate::embree::{self, SceneBuilder};
 use crate::error::Result;
 use crate::math::{DAffine3, DVec3};
 
@@ -84,19 +85,15 @@ impl Assembler<'_, '_> {
         parts: Arc<[Part]>,
         dropped: Vec<(usize, String)>,
     ) -> Result<()> {
-        let mut builder = SceneBuilder::cancellable(self.device, SceneOptions::default(), &self.progress.cancel)?;
-        builder.add_triangles(triangles.mesh.clone())?;
-        let units = cost::HIERARCHY * parts.len() as f64;
-        let scene = self.progress.within(units, |report| builder.commit(Some(report)))?;
+        let add = |builder: &mut SceneBuilder| builder.add_triangles(triangles.mesh.clone());
+        let scene = hierarchy(parts.len(), self.device, self.progress, add)?;
         self.place_triangles(Arc::new(SingleTriangles { scene, triangles, parts, dropped }))
     }
 
     /// Builds a hierarchy of these shapes and adds it.
     pub(super) fn own_shapes(&mut self, shapes: Arc<AnalyticGeometry>, surfaces: Arc<[u32]>) -> Result<()> {
-        let mut builder = SceneBuilder::cancellable(self.device, SceneOptions::default(), &self.progress.cancel)?;
-        builder.add_user(Arc::clone(&shapes))?;
-        let units = cost::HIERARCHY * surfaces.len() as f64;
-        let scene = self.progress.within(units, |report| builder.commit(Some(report)))?;
+        let add = |builder: &mut SceneBuilder| builder.add_user(Arc::clone(&shapes));
+        let scene = hierarchy(surfaces.len(), self.device, self.progress, add)?;
         self.place_shapes(Arc::new(SingleShapes { scene, shapes, surfaces }))
     }
 
@@ -134,7 +131,7 @@ impl Assembler<'_, '_> {
 }
 
 /// The hierarchies of the scene before that serve a description whose frame has this origin.
-pub(super) fn still_serving(old: &super::record::GeometryRecord, desc: &SceneDesc, centre: DVec3) -> Singles {
+pub(super) fn still_serving(old: &GeometryRecord, desc: &SceneDesc, centre: DVec3) -> Singles {
     let Singles { centre: was, triangles, shapes } = &old.singles;
     let serves = |is_one: fn(&ShapeDesc) -> bool| *was == centre && old.has_same(desc, is_one);
     Singles {

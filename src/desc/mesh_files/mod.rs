@@ -87,35 +87,25 @@ pub(super) fn check_name(json_path: &str, file: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Reads the mesh in the file at `path`; `json_path` says where the scene names it. Adds warnings only where no error occurs. The bytes of
-/// the file are units of `work`.
+/// Reads the mesh in the file at `path`; `json_path` says where the scene names it. `keep_degenerate`: with triangles that name a vertex
+/// twice, which is for PLY files alone. Adds warnings only where no error occurs. The bytes of the file are units of `work`.
 pub(super) fn load(
     path: &Path,
     json_path: &str,
+    keep_degenerate: bool,
     warnings: &mut Vec<String>,
     work: &WorkProgress<'_>,
 ) -> Result<MeshDesc> {
     let (source, format) = opened(path, json_path, work)?;
     match format {
+        MeshFormat::Ply => ply::read(source, keep_degenerate, warnings),
+        MeshFormat::Obj | MeshFormat::Stl if keep_degenerate => {
+            let message = "degenerate triangles are kept of PLY files alone (`keepDegenerate`), expected such a file";
+            Err(Error::invalid(json_path, message).in_file(Some(path), 0))
+        }
         MeshFormat::Obj => obj::read(source, None, warnings).map(|(mesh, _)| mesh),
-        MeshFormat::Ply => ply::read(source, false, warnings),
         MeshFormat::Stl => stl::read(source, warnings),
     }
-}
-
-/// Reads the mesh in the PLY file at `path` as [`load`] does, with triangles that name a vertex twice.
-pub(super) fn load_whole(
-    path: &Path,
-    json_path: &str,
-    warnings: &mut Vec<String>,
-    work: &WorkProgress<'_>,
-) -> Result<MeshDesc> {
-    let (source, format) = opened(path, json_path, work)?;
-    if format == MeshFormat::Ply {
-        return ply::read(source, true, warnings);
-    }
-    let message = "degenerate triangles are kept of PLY files alone (`keepDegenerate`), expected such a file";
-    Err(Error::invalid(json_path, message).in_file(Some(path), 0))
 }
 
 /// Announces the meshes that a text of JSON names to the work, by the sizes of their files. The text is not understood: what looks like the
