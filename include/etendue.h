@@ -694,7 +694,7 @@ enum etd_integrator
      */
     ETD_INTEGRATOR_SPPM = 8,
     /**
-     * Path tracing, path tracing with a caustic map, or stochastic progressive photon mapping, by what the scene holds.
+     * Path tracing, path tracing with a caustic map, or stochastic progressive photon mapping, by what the scene holds; the irradiance cache where a bias is allowed.
      */
     ETD_INTEGRATOR_AUTO = 9,
     /**
@@ -2295,9 +2295,11 @@ typedef struct etd_render_options {
      */
     uint32_t first_shadow_rays;
     /**
-     * Must be 0.
+     * An `etd_switch`: whether `ETD_INTEGRATOR_AUTO` may choose the irradiance cache, whose bias error estimates do not know. A pilot of a
+     * long render without `target_error` then measures its bias, noise and time, and it is taken where the whole error times the time
+     * is least. On is refused with other integrators, for light maps and light at given points. Off by default.
      */
-    uint32_t reserved;
+    etd_switch allow_bias;
 } etd_render_options;
 
 /**
@@ -3518,9 +3520,9 @@ typedef struct etd_summary {
      */
     etd_ended ended;
     /**
-     * Always 0.
+     * An `etd_integrator`: the one that took the samples; where `ETD_INTEGRATOR_AUTO` was asked for, the one that was chosen.
      */
-    uint32_t reserved;
+    etd_integrator integrator;
 } etd_summary;
 
 /**

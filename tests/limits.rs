@@ -482,6 +482,86 @@ fn a_pilot_says_whether_light_paths_are_traced() {
     assert!(!traces(&scene("cornell.json"), long.clone()) && !traces(&scene("room.json"), long));
 }
 
+/// Where a bias is allowed, the picture is that of the irradiance cache where its whole error is least for the time: of few samples, but not of
+/// many, and not where there is little indirect light.
+#[test]
+fn a_pilot_says_whether_the_irradiance_cache_is_taken() {
+    let scene = |name: &str| {
+        let desc = desc::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name), None).unwrap();
+        Scene::build(&desc, &BuildOptions::default()).unwrap()
+    };
+    let auto = RenderDesc {
+        integrator: IntegratorDesc::Auto,
+        allow_bias: true,
+        resolution: [256, 256],
+        samples: 64,
+        ..RenderDesc::default()
+    };
+    let mut stop = |report: &Progress| match report.samples_done {
+        0 => ControlFlow::Continue(()),
+        _ => ControlFlow::Break(()),
+    };
+    let settings = |desc: &RenderDesc| RenderSettings { desc: desc.clone(), threads: 2, ..RenderSettings::default() };
+    let mut begun = |scene: &Scene, settings: RenderSettings| {
+        let mut render = Render::new(scene, settings).unwrap();
+        let notes = render.run(&mut stop).unwrap().notes;
+        (render, notes.join("\n"))
+    };
+    let bits = |render: &Render| render.image().rgb.iter().map(|it| it.to_bits()).collect::<Vec<_>>();
+    let box_of_walls = scene("cornell.json");
+    let (render, notes) = begun(&box_of_walls, settings(&auto));
+    assert!(notes.contains("auto chose irradiance_cache: a pilot expected the same error in"), "{notes}");
+    assert!(!notes.contains("pixels shared hits") && notes.contains("irradiance cache: "), "{notes}");
+    let cache = RenderDesc { integrator: IntegratorDesc::IrradianceCache, allow_bias: false, ..auto.clone() };
+    assert!(bits(&render) == bits(&begun(&box_of_walls, settings(&cache)).0));
+    // A render that goes on asks no pilot again, also where none would be made, and takes the same samples.
+    let hurried = RenderSettings { time_limit: Some(Duration::from_secs(5)), ..settings(&auto) };
+    let mut more = Render::resume(&box_of_walls, hurried, render.checkpoint().unwrap()).unwrap();
+    let notes = more.run(&mut |_| ControlFlow::Break(())).unwrap().notes.join("\n");
+    assert!(notes.contains("auto chose irradiance_cache: the part of the render before chose so"), "{notes}");
+    let refused = Render::resume(
+        &box_of_walls,
+        settings(&RenderDesc { allow_bias: false, ..auto.clone() }),
+        render.checkpoint().unwrap(),
+    );
+    assert_eq!(refused.err().map(|error| error.kind()), Some(ErrorKind::Unsupported));
+    // Of 1000 samples the bias would be most of the error.
+    let long = RenderDesc { resolution: [64, 64], samples: 1000, ..auto.clone() };
+    let (render, notes) = begun(&box_of_walls, settings(&long));
+    let is_worse = notes.contains("times the error of paths of the irradiance cache");
+    assert!(notes.contains("auto chose path: ") && is_worse, "{notes}");
+    let unbiased = begun(&box_of_walls, settings(&RenderDesc { allow_bias: false, ..long.clone() }));
+    assert!(bits(&render) == bits(&unbiased.0));
+    assert!(unbiased.1.contains("the irradiance cache was not tried: auto allows no bias"), "{}", unbiased.1);
+    let error = RenderSettings { target_error: Some(1e-3), adaptive: Some(false), ..settings(&auto) };
+    let (_, notes) = begun(&box_of_walls, error);
+    assert!(notes.contains("no pilot compared the irradiance cache, although a bias is allowed"), "{notes}");
+    let (_, notes) = begun(&scene("soft-shadows.json"), settings(&long));
+    assert!(notes.contains("the irradiance cache would gain too little"), "{notes}");
+}
+
+#[test]
+fn only_auto_has_a_bias_to_allow() {
+    let scene = diffuse();
+    let refused = "render.integrator.bias is allowed, and ";
+    for integrator in IntegratorDesc::ALL {
+        let desc = RenderDesc { integrator, allow_bias: true, ..RenderDesc::default() };
+        match Render::new(&scene, RenderSettings { desc, threads: 1, ..RenderSettings::default() }) {
+            Ok(_) => assert_eq!(integrator, IntegratorDesc::Auto),
+            Err(error) => {
+                assert_eq!(error.kind(), ErrorKind::Unsupported);
+                let why = format!("{refused}{} chooses no other integrator; expected refused", integrator.name());
+                assert!(error.message().starts_with(&why), "{error}");
+            }
+        }
+    }
+    let desc = RenderDesc { integrator: IntegratorDesc::Auto, allow_bias: true, ..RenderDesc::default() };
+    let probe = Probe { position: DVec3::ZERO, direction: DVec3::Y };
+    let settings = RenderSettings { desc, threads: 1, ..RenderSettings::default() };
+    let error = Render::probes(&scene, settings, &[probe], ProbeQuantity::Irradiance).err().expect("no picture");
+    assert!(error.message().starts_with(&format!("{refused}light at given points has no pilot")), "{error}");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(24) })]
 

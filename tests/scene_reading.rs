@@ -206,6 +206,10 @@ fn render_blocks_are_read_with_every_key() {
     }
     let first = RenderDesc { first_shadow_rays: Some(4), ..RenderDesc::default() };
     assert_eq!(render(r#""integrator": {"type": "path", "firstShadowRays": 4}"#), first);
+    for (text, allow_bias) in [("\"allowed\"", true), ("\"refused\"", false), ("null", false)] {
+        let expected = RenderDesc { integrator: IntegratorDesc::Auto, allow_bias, ..RenderDesc::default() };
+        assert_eq!(render(&format!("\"integrator\": {{\"type\": \"auto\", \"bias\": {text}}}")), expected);
+    }
 }
 
 #[test]
@@ -1431,7 +1435,13 @@ fn a_render_block_lies_over_settings_that_stay() {
     assert_eq!(over, expected);
     assert_eq!(desc::apply_render("{}", "", None, &base).unwrap(), base);
     // An integrator takes the place of another one together with its settings.
-    let shared = RenderDesc { reuse: Some(true), light_paths: Some(false), first_shadow_rays: Some(2), ..base.clone() };
+    let shared = RenderDesc {
+        reuse: Some(true),
+        light_paths: Some(false),
+        first_shadow_rays: Some(2),
+        allow_bias: true,
+        ..base.clone()
+    };
     assert_eq!(desc::apply_render("{}", "", None, &shared).unwrap(), shared);
     assert_eq!(desc::apply_render(r#"{"integrator": "path"}"#, "", None, &shared).unwrap(), base);
     for (path, complaint) in [

@@ -122,6 +122,10 @@ pub struct RenderArgs {
     #[arg(long, value_name = "on|off", value_enum, num_args = 0..=1, require_equals = true)]
     #[arg(default_missing_value = "on", hide_possible_values = true)]
     pub light_paths: Option<Switch>,
+    /// Whether the integrator auto may choose the irradiance cache, whose bias error estimates do not know, where a pilot of a long render
+    /// says that its whole error is the least for the time. In place of the scene's.
+    #[arg(long, value_enum)]
+    pub bias: Option<Bias>,
     /// Paths carry wavelengths instead of three channels; alone it means on. In place of the scene's choice.
     #[arg(long, value_name = "on|off", value_enum, num_args = 0..=1, require_equals = true)]
     #[arg(default_missing_value = "on", hide_possible_values = true)]
@@ -613,6 +617,14 @@ pub enum Switch {
     Off,
 }
 
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Bias {
+    /// Unbiased and consistent integrators only.
+    Refused,
+    /// The irradiance cache too.
+    Allowed,
+}
+
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum Sampler {
     /// Owen-scrambled Sobol' points.
@@ -764,6 +776,9 @@ impl RenderArgs {
             integrator: self.integrator.map_or(scene.integrator, |Integrator(integrator)| integrator),
             reuse: self.of_integrator(self.reuse.map(|it| it == Switch::On), scene.reuse),
             light_paths: self.of_integrator(self.light_paths.map(|it| it == Switch::On), scene.light_paths),
+            allow_bias: self
+                .of_integrator(self.bias.map(|it| it == Bias::Allowed), Some(scene.allow_bias))
+                .unwrap_or(false),
             spectral: self.spectral.map_or(scene.spectral, |spectral| spectral == Switch::On),
             white_balance: self.white_balance.map_or(scene.white_balance, |White(white)| Some(white)),
             max_depth: self.max_depth.map_or(scene.max_depth, |depth| depth.0),

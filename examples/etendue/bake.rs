@@ -300,7 +300,12 @@ impl BakeRun<'_> {
             }
             made => made.map_err(Failure::running)?,
         };
-        let summary = Summary { elapsed: began.elapsed(), notes: solution.notes().to_vec(), ..Summary::default() };
+        let summary = Summary {
+            elapsed: began.elapsed(),
+            integrator: IntegratorDesc::Radiosity,
+            notes: solution.notes().to_vec(),
+            ..Summary::default()
+        };
         Ok(Some(BakedSites { baked, summary, solution: Some(solution) }))
     }
 

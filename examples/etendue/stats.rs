@@ -32,6 +32,8 @@ pub struct Stats {
     rel_mse: Estimate,
     /// Levels of 255.
     display_error: Estimate,
+    /// The integrator that took the samples.
+    integrator: &'static str,
     /// `samples`, `time`, `error` or `cancelled`.
     ended: &'static str,
     target: Option<Target>,
@@ -49,6 +51,8 @@ struct Settings {
     filter: String,
     /// The requested number; null where only time and error end the render.
     spp: Option<u32>,
+    /// `allowed` or `refused`.
+    bias: &'static str,
     reuse: bool,
     light_paths: bool,
     spectral: bool,
@@ -106,6 +110,7 @@ impl Stats {
                 sampler: format!("{:?}", desc.sampler).to_lowercase(),
                 filter: format!("{:?}", desc.filter),
                 spp: (desc.samples < MOST_SAMPLES).then_some(desc.samples),
+                bias: if desc.allow_bias { "allowed" } else { "refused" },
                 reuse: summary.reuse,
                 light_paths: summary.light_paths,
                 spectral: desc.spectral,
@@ -128,6 +133,7 @@ impl Stats {
             rays_per_second: summary.rays as f64 / summary.elapsed.as_secs_f64(),
             rel_mse: estimate(summary.rel_mse),
             display_error: estimate(summary.display_error),
+            integrator: summary.integrator.name(),
             ended: summary.ended.name(),
             target: args.target().map(|(measure, value)| Target {
                 measure: match measure {

@@ -752,6 +752,7 @@ impl World {
                         reuse: u32::from(depth >> 4) % 4,
                         light_paths: u32::from(filter >> 4) % 4,
                         first_shadow_rays: u32::from(samples >> 6),
+                        allow_bias: u32::from(depth >> 6),
                         sensor_bands: if depth >> 6 == 3 { parameters.map(f64::from) } else { [0.0; 2] },
                         share_number: if is_part { u32::from(samples >> 2) % 4 } else { 0 },
                         share_count: if is_part { u32::from(samples >> 4) % 4 } else { 0 },

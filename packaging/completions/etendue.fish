@@ -63,11 +63,13 @@ irradiance_cache\t'All light, with indirect diffuse light interpolated between f
 radiosity\t'The diffuse scene solved as a whole, for every view of it'
 ppm\t'Progressive photon mapping: a new map every pass, with one shrinking radius'
 sppm\t'Stochastic progressive photon mapping: a new map every pass, with radii that shrink pixel by pixel'
-auto\t'Path tracing, path tracing with a caustic map, or stochastic progressive photon mapping, by what the scene holds'"
+auto\t'Path tracing, path tracing with a caustic map, or stochastic progressive photon mapping, by what the scene holds; the irradiance cache where a bias is allowed'"
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l reuse -d 'Pixels in groups of 16 share the second hits of their paths; alone it means on. Only with the integrator path. In place of the choice of the scene; by default, a pilot of long renders says' -r -f -a "on\t''
 off\t''"
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l light-paths -d 'Light paths, from lamps by way of mirrors and glass to what the camera sees, find caustics beside the paths from the camera; alone it means on. Only with the integrator path. In place of the choice of the scene; by default, a pilot of long renders says' -r -f -a "on\t''
 off\t''"
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l bias -d 'Whether the integrator auto may choose the irradiance cache, whose bias error estimates do not know, where a pilot of a long render says that its whole error is the least for the time. In place of the scene\'s' -r -f -a "refused\t'Unbiased and consistent integrators only'
+allowed\t'The irradiance cache too'"
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l spectral -d 'Paths carry wavelengths instead of three channels; alone it means on. In place of the scene\'s choice' -r -f -a "on\t''
 off\t''"
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l spectral-layers -d 'Layers of an EXR for the mean spectral radiance over so many bands of equal width, 3 to 512. With --spectral' -r
@@ -209,7 +211,7 @@ irradiance_cache\t'All light, with indirect diffuse light interpolated between f
 radiosity\t'The diffuse scene solved as a whole, for every view of it'
 ppm\t'Progressive photon mapping: a new map every pass, with one shrinking radius'
 sppm\t'Stochastic progressive photon mapping: a new map every pass, with radii that shrink pixel by pixel'
-auto\t'Path tracing, path tracing with a caustic map, or stochastic progressive photon mapping, by what the scene holds'"
+auto\t'Path tracing, path tracing with a caustic map, or stochastic progressive photon mapping, by what the scene holds; the irradiance cache where a bias is allowed'"
 complete -c etendue -n "__fish_etendue_using_subcommand bench" -l samplers -d 'Samplers to compare, separated by commas; the scene\'s where none is given' -r -f -a "sobol\t'Owen-scrambled Sobol\' points'
 random\t'Independent random numbers'
 jittered\t'One random position in each of n x n cells'

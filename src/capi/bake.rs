@@ -551,7 +551,12 @@ impl<'a> BakeJob<'a> {
             let mut progress = |fraction| self.progress.report(fraction, initial_progress(ETD_PHASE_RENDER));
             let (baked, solution) = by_radiosity(built, sites, &settings, texel, front, &mut progress)?;
             let notes = solution.notes().to_vec();
-            let summary = Summary { elapsed: start.elapsed(), notes, ..Summary::default() };
+            let summary = Summary {
+                elapsed: start.elapsed(),
+                integrator: IntegratorDesc::Radiosity,
+                notes,
+                ..Summary::default()
+            };
             self.log(&summary);
             return Ok((baked, summary));
         }

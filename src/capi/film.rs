@@ -230,8 +230,8 @@ impl etd_film {
             ..Summary::default()
         };
         let mut attributes = summary_attributes(&summary);
-        // How the renders ended is not known.
-        attributes.retain(|(name, _)| name != "ended");
+        // How the renders ended is not known, nor what was chosen.
+        attributes.retain(|(name, _)| name != "ended" && name != "integrator");
         let mut state = lock(&self.state);
         // Another thread may have been faster, or a render may have begun.
         if state.summary.is_none() && state.sums.as_ref().is_some_and(|sums| Arc::ptr_eq(sums, film)) {

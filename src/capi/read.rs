@@ -292,9 +292,6 @@ pub(super) fn render(it: &etd_render_options, film: [u32; 2]) -> Result<RenderDe
             return Err(Failure::argument(message));
         }
     }
-    if it.reserved != 0 {
-        return Err(Failure::argument("options.reserved is not 0"));
-    }
     let desc = RenderDesc {
         resolution,
         crop,
@@ -323,6 +320,7 @@ pub(super) fn render(it: &etd_render_options, film: [u32; 2]) -> Result<RenderDe
         },
         reuse: switch("options.reuse", it.reuse)?,
         light_paths: switch("options.light_paths", it.light_paths)?,
+        allow_bias: switch("options.allow_bias", it.allow_bias)?.unwrap_or(false),
         spectral: switch("options.spectral", it.spectral)?.unwrap_or(false),
         white_balance: (it.white_balance != [0.0; 2]).then_some(it.white_balance),
         max_depth: (it.max_depth != 0).then_some(it.max_depth),
@@ -552,7 +550,7 @@ pub(super) fn render_out(desc: &RenderDesc) -> etd_render_options {
         checkpoint_seconds: 0.0,
         resume: std::ptr::null(),
         first_shadow_rays: desc.first_shadow_rays.unwrap_or(0),
-        reserved: 0,
+        allow_bias: if desc.allow_bias { ETD_SWITCH_ON } else { ETD_SWITCH_DEFAULT }.number(),
         error_measure: ETD_ERROR_RELMSE.number(),
         adaptive: ETD_SWITCH_DEFAULT.number(),
         radiosity_element_size: radiosity.element_size.unwrap_or(0.0),

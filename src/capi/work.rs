@@ -492,6 +492,6 @@ pub(super) fn summary_out(summary: &Summary, build_time: Duration, is_cancelled:
             Ended::Error => ETD_ENDED_ERROR,
             Ended::Cancelled => ETD_ENDED_CANCELLED,
         },
-        reserved: 0,
+        integrator: summary.integrator.c_value(),
     }
 }

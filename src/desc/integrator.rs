@@ -362,7 +362,7 @@ integrators! {
         takes_absorption: true,
         lobes: Some(STORED),
     }
-    /// Path tracing, path tracing with a caustic map, or stochastic progressive photon mapping, by what the scene holds.
+    /// Path tracing, path tracing with a caustic map, or stochastic progressive photon mapping, by what the scene holds; the irradiance cache where a bias is allowed.
     Auto {
         name: "auto",
         c_value: 9,

@@ -64,6 +64,10 @@ pub struct RenderDesc {
     ///
     /// Source: Veach 1997, *Robust Monte Carlo Methods for Light Transport Simulation*, Sec. 10.
     pub light_paths: Option<bool>,
+    /// Whether [`IntegratorDesc::Auto`] may choose the irradiance cache, whose bias error estimates do not know. A pilot of a long render
+    /// then measures its bias, noise and time, and it is taken where the whole error times the time is least. `true` is refused with the
+    /// other integrators, which choose nothing.
+    pub allow_bias: bool,
     /// Whether paths carry wavelengths instead of three channels. Colours become smooth spectra, lights those times D65, and glass
     /// with a [`Dispersion`](super::Dispersion) disperses light; the film has the colours that the standard observer sees.
     pub spectral: bool,
@@ -101,6 +105,7 @@ impl Default for RenderDesc {
             integrator: IntegratorDesc::Path,
             reuse: None,
             light_paths: None,
+            allow_bias: false,
             spectral: false,
             white_balance: None,
             max_depth: None,

@@ -145,6 +145,20 @@ pub(super) struct Integrator {
     /// See [`RenderDesc::first_shadow_rays`](super::RenderDesc::first_shadow_rays).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) first_shadow_rays: Option<Whole>,
+    /// See [`RenderDesc::allow_bias`](super::RenderDesc::allow_bias).
+    #[serde(default, deserialize_with = "json::name", skip_serializing_if = "Option::is_none")]
+    pub(super) bias: Option<Bias>,
+}
+
+/// Whether `auto` may choose an integrator with a bias.
+#[derive(Clone, Copy, Deserialize, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Bias {
+    /// It may not.
+    Refused,
+    /// It may.
+    Allowed,
 }
 
 /// The positions of the samples of a pixel.
@@ -250,6 +264,8 @@ mod schema {
         /// at other hits, or more where a pilot says that it pays.
         #[schemars(range(min = 1, max = 1024))]
         first_shadow_rays: Option<u32>,
+        /// For `auto`: whether the irradiance cache may be chosen, whose bias error estimates do not know. Default `refused`.
+        bias: Option<super::Bias>,
     }
 
     /// One of the names in the table of integrators.

@@ -3,7 +3,7 @@
 use serde_json::value::RawValue;
 
 use super::json::{self, Whole, join};
-use super::render_block::{Integrator, Render, Sampler};
+use super::render_block::{Bias, Integrator, Render, Sampler};
 use super::{
     CropDesc, IntegratorDesc, MAX_SHADOW_RAYS, RenderDesc, SamplerDesc, filter, photon_keys, radiosity_keys, validate,
     white_balance,
@@ -130,10 +130,11 @@ fn integrator(raw: &RawValue, path: &str, render: &mut RenderDesc) -> Result<()>
     let names = IntegratorDesc::ALL.map(IntegratorDesc::name);
     let (name, block) = json::named(raw, path, &names)?;
     render.integrator = IntegratorDesc::from_name(&name).unwrap_or_default();
-    (render.reuse, render.light_paths, render.first_shadow_rays) = (None, None, None);
+    (render.reuse, render.light_paths, render.first_shadow_rays, render.allow_bias) = (None, None, None, false);
     if block {
-        let Integrator { reuse, light_paths, first_shadow_rays, .. } = json::object(raw, path)?;
+        let Integrator { reuse, light_paths, first_shadow_rays, bias, .. } = json::object(raw, path)?;
         (render.reuse, render.light_paths) = (reuse, light_paths);
+        render.allow_bias = bias == Some(Bias::Allowed);
         let first = first_shadow_rays.map(|count| shadow_rays(&join(path, "firstShadowRays"), count));
         render.first_shadow_rays = first.transpose()?;
     }

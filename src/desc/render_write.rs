@@ -4,7 +4,7 @@ use serde_json::value::RawValue;
 
 use super::json::Whole;
 use super::numbers::unless;
-use super::render_block::{Integrator, Render, Roulette, Sampler, Sharing, Solver, Source};
+use super::render_block::{Bias, Integrator, Render, Roulette, Sampler, Sharing, Solver, Source};
 use super::save::raw;
 use super::{
     CacheDesc, CacheSource, IntegratorDesc, PhotonDesc, PhotonSharing, RadiosityDesc, RadiositySolver, RenderDesc,
@@ -58,10 +58,11 @@ impl RenderDesc {
 /// Writes an integrator: its name, or an object where it has settings that differ from their defaults.
 fn integrator(render: &RenderDesc) -> Result<Box<RawValue>> {
     let name = IntegratorDesc::name(render.integrator);
-    match (render.reuse, render.light_paths, render.first_shadow_rays) {
-        (None, None, None) => raw(&name),
-        (reuse, light_paths, first) => {
-            raw(&Integrator { name: name.to_owned(), reuse, light_paths, first_shadow_rays: first.map(whole) })
+    let bias = render.allow_bias.then_some(Bias::Allowed);
+    match (render.reuse, render.light_paths, render.first_shadow_rays, bias) {
+        (None, None, None, None) => raw(&name),
+        (reuse, light_paths, first, bias) => {
+            raw(&Integrator { name: name.to_owned(), reuse, light_paths, first_shadow_rays: first.map(whole), bias })
         }
     }
 }

@@ -27,8 +27,8 @@ pub(crate) use path::LitPath;
 pub use path::Path;
 pub use probes::{Probe, ProbeQuantity, Probes};
 pub use support::{
-    check_first_shadow_rays, check_light_paths, check_reuse, check_still, check_support, check_wavelengths,
-    no_first_shadow_rays, no_light_paths, no_reuse, no_wavelengths,
+    check_bias, check_first_shadow_rays, check_light_paths, check_reuse, check_still, check_support, check_wavelengths,
+    no_choice, no_first_shadow_rays, no_light_paths, no_reuse, no_wavelengths,
 };
 pub use tracer::{Context, FirstHit, SceneTracer, Tracer};
 pub use wave::{Sample, Wave};

@@ -158,6 +158,27 @@ pub fn no_first_shadow_rays(method: &str) -> Result<()> {
     Err(Error::new(ErrorKind::Unsupported, message))
 }
 
+/// Refuses to allow a bias to an integrator that chooses no other.
+///
+/// # Errors
+/// [`ErrorKind::Unsupported`], whose message names the integrator.
+pub fn check_bias(integrator: IntegratorDesc) -> Result<()> {
+    if integrator == IntegratorDesc::Auto {
+        return Ok(());
+    }
+    no_choice(&format!("{} chooses no other integrator", integrator.name()))
+}
+
+/// Says why a bias has nothing to be allowed for.
+///
+/// # Errors
+/// [`ErrorKind::Unsupported`], always.
+pub fn no_choice(why: &str) -> Result<()> {
+    let message =
+        format!("render.integrator.bias is allowed, and {why}; expected refused, or a picture by the integrator auto");
+    Err(Error::new(ErrorKind::Unsupported, message))
+}
+
 /// What each path of a render has by itself, so that what it finds is not what another one would have found, and what would be expected
 /// instead.
 fn what_paths_have_apart(scene: &Scene, desc: &RenderDesc) -> Option<(&'static str, &'static str)> {

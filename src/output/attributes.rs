@@ -18,7 +18,9 @@ pub fn summary_attributes(summary: &Summary) -> Vec<(String, Attribute)> {
     ];
     let mut attributes: Vec<_> =
         numbers.into_iter().filter_map(|(name, number)| Some((name.to_owned(), Attribute::Number(number?)))).collect();
-    attributes.push(("ended".to_owned(), Attribute::Text(summary.ended.name().to_owned())));
+    for (name, text) in [("ended", summary.ended.name()), ("integrator", summary.integrator.name())] {
+        attributes.push((name.to_owned(), Attribute::Text(text.to_owned())));
+    }
     attributes
 }
 

@@ -51,6 +51,12 @@ impl Maps {
         })
     }
 
+    /// The plan of an irradiance cache that paths may be compared with; `None` where it needs photon maps.
+    pub fn cache_alone(scene: &Scene, camera: &Camera, desc: &Arc<RenderDesc>) -> Result<Option<Plan>> {
+        let plan = Plan::new(scene, camera, desc, IntegratorDesc::IrradianceCache)?;
+        Ok(plan.is_cache_alone()?.then_some(plan))
+    }
+
     /// [`Plan::state`].
     pub fn state(&self) -> Option<PlanState> {
         of_plan!(self, plan => plan.state())

@@ -46,7 +46,7 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::film::{ErrorEstimate, ErrorMeasure, Film, FilmOptions, Image, Placement};
 use crate::integrator::Path;
 use crate::integrator::light_tracing::{LightPaths, LightPictures};
-use crate::integrator::photon::{Choice, choose};
+use crate::integrator::photon::{Choice, Plan, choose};
 use crate::integrator::radiosity::{Radiosity, RadiosityPicture};
 use crate::integrator::reuse::PathReuse;
 use crate::integrator::{check_support, check_wavelengths, no_wavelengths};
@@ -58,10 +58,10 @@ use checkpoint::{Header, Keeper};
 use maps::Maps;
 use method::Method;
 use pass::{Light, Pass, PassInput};
-use pilot::{Found, pilot};
+use pilot::{CacheToTry, Found, pilot};
 use schedule::Schedule;
 use share::Tiles;
-use ways::{Decision, Undecided, Wanted};
+use ways::{Decision, Undecided, Wanted, has_cache, may_take_cache};
 use worker_pool::WorkerPool;
 
 pub use checkpoint::{Checkpoint, CheckpointPlan};
@@ -104,6 +104,8 @@ pub struct Render {
     choice: Option<Choice>,
     /// The plan of the photon maps, where the integrator uses them.
     plan: Option<Maps>,
+    /// The plan of an irradiance cache that a pilot may choose in place of paths, until that is settled.
+    cache: Option<Plan>,
     /// The radiosity solution, once it is made, where the integrator is radiosity.
     radiosity: Option<Arc<Radiosity>>,
     /// The integrator of the current pass.
@@ -188,9 +190,15 @@ impl Render {
             Decision::No => None,
             Decision::Yes | Decision::ByPilot => LightPaths::new(&scene, &camera, desc.resolution),
         };
+        let shared = Arc::new(desc.clone());
+        // Also where no pilot is made: a checkpoint may have been begun with one.
+        let cache = match may_take_cache(&scene, desc, integrator) {
+            true => Maps::cache_alone(&scene, &camera, &shared)?,
+            false => None,
+        };
+        let wanted = Wanted { cache: wanted.cache && cache.is_some(), ..wanted };
         let undecided = Undecided::new(&wanted, reuse, light_paths.as_ref());
         let light_paths = light_paths.filter(|_| wanted.light_paths == Decision::Yes);
-        let shared = Arc::new(desc.clone());
         let plan = match integrator.info().preparation {
             Preparation::PhotonMaps(..) => Some(Maps::new(&scene, &camera, &shared, integrator, settings.sensor)?),
             Preparation::Nothing | Preparation::RadiositySolution | Preparation::Choice => None,
@@ -232,6 +240,7 @@ impl Render {
             workers,
             choice,
             plan,
+            cache,
             radiosity: None,
             method,
             undecided,
@@ -436,19 +445,24 @@ impl Render {
         };
         let deadline = limit.and_then(|limit| start.checked_add(limit));
         let mut pool = WorkerPool::new(&self.workers, &self.settings.cancel, deadline, &mut callback);
+        let time_left = self.settings.time_limit.map(|limit| limit.saturating_sub(start.elapsed()));
         let made = match (&mut self.plan, undecided) {
-            (_, Some((input, open))) => pilot(&input, &open, &mut pool).map(|found| {
-                self.rays += found.rays;
-                if let Some(paths) = open.light.filter(|_| found.traces_light()) {
-                    self.light_paths = Some(paths.with_count(found.count));
-                }
-                if open.first_shadow_rays {
-                    self.first_shadow_rays = self.desc.shadow_rays * found.first_shadow_rays;
-                }
-                let sharing = open.sharing.filter(|_| found.shares());
-                self.found = Some(found);
-                sharing.map_or_else(|| self.method.clone(), Method::Reuse)
-            }),
+            (_, Some((input, open))) => {
+                let cache = self.cache.as_mut().filter(|_| open.cache).map(|plan| CacheToTry { plan, time_left });
+                let found = pilot(&input, &open, cache, &mut pool);
+                found.map(|found| {
+                    self.rays += found.rays;
+                    if let Some(paths) = open.light.filter(|_| found.traces_light()) {
+                        self.light_paths = Some(paths.with_count(found.count));
+                    }
+                    if open.first_shadow_rays {
+                        self.first_shadow_rays = self.desc.shadow_rays * found.first_shadow_rays;
+                    }
+                    let sharing = open.sharing.filter(|_| found.shares());
+                    self.found = Some(found);
+                    sharing.map_or_else(|| self.method.clone(), Method::Reuse)
+                })
+            }
             (Some(plan), None) => {
                 let before = plan.rays();
                 let gather = plan.gather(samples, &mut pool);
@@ -471,7 +485,9 @@ impl Render {
         match made {
             Ok(method) => {
                 self.method = method;
-                self.undecided = None;
+                if self.undecided.take().is_some() {
+                    return self.settle_choice(schedule, start, progress);
+                }
                 Ok(None)
             }
             Err(error) if error.kind() == ErrorKind::Cancelled => {
@@ -479,6 +495,28 @@ impl Render {
             }
             Err(error) => Err(error),
         }
+    }
+
+    /// Takes what the pilot has found of the irradiance cache. Makes what the integrator needs that is chosen then, as [`Render::prepare`].
+    fn settle_choice(
+        &mut self,
+        schedule: &Schedule,
+        start: Instant,
+        progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
+    ) -> Result<Option<Ended>> {
+        let Some(cached) = self.found.as_ref().and_then(|found| found.cached.clone()) else { return Ok(None) };
+        let why = cached.why();
+        if cached.is_taken() {
+            // What it found of other ways to trace paths is of no use.
+            self.found = None;
+            self.settle_cache(Some(&why));
+            return self.prepare(schedule, start, progress);
+        }
+        self.settle_cache(None);
+        if let Some(choice) = &mut self.choice {
+            choice.why = format!("{}; {why}", choice.why);
+        }
+        Ok(None)
     }
 
     /// Whether the film has colours of a picture, which a white balance adapts.
@@ -586,11 +624,30 @@ impl Render {
         }
     }
 
+    /// What a choice of paths leaves out that the user may not know.
+    fn note_on_bias(&self) -> Option<String> {
+        let is_open = self.desc.integrator == IntegratorDesc::Auto && self.integrator() == IntegratorDesc::Path;
+        let found = self.found.as_ref();
+        match self.desc.allow_bias {
+            _ if !is_open => None,
+            true if found.is_none_or(|found| found.cached.is_none()) => Some(
+                "no pilot compared the irradiance cache, although a bias is allowed: the render is short, adaptive, ends at an \
+                 error or was resumed, or the cache needs photon maps or does not take the scene"
+                    .to_owned(),
+            ),
+            false if found.is_some() && has_cache(&self.scene, &self.desc) => {
+                Some("the irradiance cache was not tried: auto allows no bias unless it is asked to".to_owned())
+            }
+            _ => None,
+        }
+    }
+
     fn summary(&self, elapsed: Duration, ended: Ended) -> Summary {
         let mut notes = Vec::new();
         if let Some(choice) = &self.choice {
             notes.push(format!("auto chose {}: {}", choice.integrator.name(), choice.why));
         }
+        notes.extend(self.note_on_bias());
         if let Some(found) = self.found.as_ref().filter(|found| found.shares()) {
             notes.push(format!(
                 "pixels shared hits: a pilot expected the same error in {:.1} times less time",
@@ -647,6 +704,11 @@ impl Render {
             elapsed,
             samples: self.samples,
             sample_counts: self.film.counts_unless(cancel),
+            integrator: match self.integrator() {
+                IntegratorDesc::Radiosity => IntegratorDesc::Radiosity,
+                _ if self.method.is_of_places() => IntegratorDesc::Path,
+                integrator => integrator,
+            },
             adaptive: self.stage.is_some(),
             reuse: matches!(self.method, Method::Reuse(_)),
             light_paths: self.light_paths.is_some(),

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use super::replay::NonFiniteSample;
+use crate::desc::IntegratorDesc;
 use crate::film::{ErrorEstimate, Image, SampleCounts};
 
 /// A progress report of a render.
@@ -47,6 +48,8 @@ pub struct Summary {
     /// Numbers of samples over all pixels, including those of an unfinished pass; `None` after the render's
     /// [`Cancel`](crate::Cancel) was used.
     pub sample_counts: Option<SampleCounts>,
+    /// The integrator that took the samples: where [`IntegratorDesc::Auto`] was asked for, the one that was chosen.
+    pub integrator: IntegratorDesc,
     /// Whether pixels with larger errors got more samples.
     pub adaptive: bool,
     /// Whether pixels in groups shared the second hits of their paths (see [`RenderDesc::reuse`](crate::desc::RenderDesc::reuse)).

@@ -1,5 +1,6 @@
 //! Ways to take the samples of a render that a pilot chooses among, where the settings leave it open: whether pixels share hits, whether
-//! light paths find caustics, and how many light samples the hits have that the camera sees.
+//! light paths find caustics, how many light samples the hits have that the camera sees, and whether the irradiance cache takes the place of
+//! paths.
 
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -7,6 +8,7 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 
 use super::Render;
+use super::maps::Maps;
 use super::method::Method;
 use super::order::SQUARE;
 use super::pilot::{ACROSS, MOST_TIMES, TIMES_LONGER};
@@ -14,13 +16,15 @@ use super::report::{Ended, Progress};
 use super::schedule::Schedule;
 use super::settings::RenderSettings;
 use super::worker_pool::WorkerPool;
-use crate::desc::{IntegratorDesc, MAX_SHADOW_RAYS};
+use crate::desc::{IntegratorDesc, MAX_SHADOW_RAYS, RenderDesc};
 use crate::error::{ErrorKind, Result};
 use crate::integrator::Path;
 use crate::integrator::light_tracing::{LightPaths, LightPictures};
+use crate::integrator::photon::Choice;
 use crate::integrator::reuse::PathReuse;
 use crate::integrator::{
-    check_first_shadow_rays, check_light_paths, check_reuse, no_first_shadow_rays, no_light_paths, no_reuse,
+    check_bias, check_first_shadow_rays, check_light_paths, check_reuse, check_support, no_choice,
+    no_first_shadow_rays, no_light_paths, no_reuse,
 };
 use crate::scene::Scene;
 
@@ -50,6 +54,8 @@ pub(super) struct Wanted {
     pub light_paths: Decision,
     /// Number of light samples at the hits that the camera sees; `None` where a pilot is to say.
     pub first_shadow_rays: Option<u32>,
+    /// Whether a pilot may choose the irradiance cache.
+    pub cache: bool,
     /// Number of squares of a pilot in a row and in a column.
     pub across: u32,
 }
@@ -63,6 +69,8 @@ pub(super) struct Ways {
     pub light_paths: Option<u32>,
     /// Number of light samples at the hits that the camera sees.
     pub first_shadow_rays: Option<u32>,
+    /// Whether the irradiance cache takes the place of paths, where `auto` may choose it.
+    pub cache: Option<bool>,
 }
 
 impl Wanted {
@@ -123,13 +131,33 @@ impl Wanted {
             }
             None => (!takes_more).then_some(own),
         };
-        Ok(Self { reuse, light_paths, first_shadow_rays, across: squares.unwrap_or(ACROSS[0]) })
+        if desc.allow_bias {
+            match place {
+                Some(place) => no_choice(&format!("{place} has no pilot"))?,
+                None => check_bias(desc.integrator)?,
+            }
+        }
+        // An error to end at is of all errors, and estimates do not know the bias.
+        let cache = squares.is_some() && settings.target_error.is_none() && may_take_cache(scene, desc, integrator);
+        Ok(Self { reuse, light_paths, first_shadow_rays, cache, across: squares.unwrap_or(ACROSS[0]) })
     }
 
     /// Whether one of them was asked for, so that all pixels have the same number of samples.
     pub fn is_settled_for_all_pixels(&self) -> bool {
         self.reuse != Decision::No || self.light_paths != Decision::No
     }
+}
+
+/// Whether the irradiance cache may take the place of paths, as far as settings and scene say.
+pub(super) fn may_take_cache(scene: &Scene, desc: &RenderDesc, integrator: IntegratorDesc) -> bool {
+    desc.allow_bias && integrator == IntegratorDesc::Path && has_cache(scene, desc)
+}
+
+/// Whether the irradiance cache takes the scene.
+pub(super) fn has_cache(scene: &Scene, desc: &RenderDesc) -> bool {
+    let is_lit = !scene.emitters().is_dark() && scene.lobes().have_diffuse();
+    let is_taken = !desc.spectral && !scene.has_moving_world();
+    is_lit && is_taken && check_support(scene, IntegratorDesc::IrradianceCache).is_ok()
 }
 
 /// Number of squares of the pilot in a row and in a column, for a render that is so long that the pilot is a small part of it. `None` for
@@ -157,6 +185,8 @@ pub(super) struct Undecided {
     pub light: Option<LightPaths>,
     /// Whether it is open how many light samples the hits have that the camera sees.
     pub first_shadow_rays: bool,
+    /// Whether it is open whether the irradiance cache takes the place of paths.
+    pub cache: bool,
     /// Number of squares in a row and in a column.
     pub across: u32,
 }
@@ -167,7 +197,7 @@ impl Undecided {
         let sharing = (wanted.reuse == Decision::ByPilot).then(sharing);
         let light = light.filter(|_| wanted.light_paths == Decision::ByPilot).cloned();
         let first_shadow_rays = wanted.first_shadow_rays.is_none();
-        Self { sharing, light, first_shadow_rays, across: wanted.across }.unless_empty()
+        Self { sharing, light, first_shadow_rays, cache: wanted.cache, across: wanted.across }.unless_empty()
     }
 
     /// What is still open once some of it is known; `None` where nothing is.
@@ -175,11 +205,13 @@ impl Undecided {
         self.sharing = self.sharing.filter(|_| known.reuse.is_none());
         self.light = self.light.filter(|_| known.light_paths.is_none());
         self.first_shadow_rays &= known.first_shadow_rays.is_none();
+        self.cache &= known.cache.is_none();
         self.unless_empty()
     }
 
     fn unless_empty(self) -> Option<Self> {
-        (self.sharing.is_some() || self.light.is_some() || self.first_shadow_rays).then_some(self)
+        let is_open = self.sharing.is_some() || self.light.is_some() || self.first_shadow_rays || self.cache;
+        is_open.then_some(self)
     }
 }
 
@@ -191,7 +223,9 @@ impl Render {
         let count = self.light_paths.as_ref().map_or(0, LightPaths::count);
         let light_paths = open.is_none_or(|open| open.light.is_none()).then_some(count);
         let first_shadow_rays = open.is_none_or(|open| !open.first_shadow_rays).then_some(self.first_shadow_rays);
-        Ways { reuse, light_paths, first_shadow_rays }
+        let is_cached = self.integrator() == IntegratorDesc::IrradianceCache;
+        let cache = open.is_none_or(|open| !open.cache).then_some(is_cached);
+        Ways { reuse, light_paths, first_shadow_rays, cache }
     }
 
     /// Takes what a pilot has said, if it has, so that it is not asked again.
@@ -212,7 +246,19 @@ impl Render {
             };
         }
         self.first_shadow_rays = ways.first_shadow_rays.unwrap_or(self.first_shadow_rays);
+        if let Some(is_taken) = ways.cache {
+            self.settle_cache(is_taken.then_some("the part of the render before chose so"));
+        }
         self.undecided = self.undecided.take().and_then(|open| open.without(ways));
+    }
+
+    /// Takes the irradiance cache in place of paths, for this reason, or leaves it for good. Nothing changes in a render that has no such
+    /// choice.
+    pub(super) fn settle_cache(&mut self, why: Option<&str>) {
+        let (Some(plan), Some(why)) = (self.cache.take(), why) else { return };
+        self.plan = Some(Maps::Colours(plan));
+        self.choice = Some(Choice { integrator: IntegratorDesc::IrradianceCache, why: why.to_owned() });
+        (self.light_paths, self.first_shadow_rays) = (None, self.desc.shadow_rays);
     }
 
     /// Traces the light paths of the next samples, where the render has light paths. Returns the reason if the render ended meanwhile.

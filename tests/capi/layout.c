@@ -403,7 +403,7 @@ static void structures(void) {
     FIELD(etd_render_options, checkpoint_seconds);
     FIELD(etd_render_options, resume);
     FIELD(etd_render_options, first_shadow_rays);
-    FIELD(etd_render_options, reserved);
+    FIELD(etd_render_options, allow_bias);
     STRUCT(etd_camera);
     FIELD(etd_camera, struct_size);
     FIELD(etd_camera, projection);
@@ -662,7 +662,7 @@ static void structures(void) {
     FIELD(etd_summary, samples_min);
     FIELD(etd_summary, samples_max);
     FIELD(etd_summary, ended);
-    FIELD(etd_summary, reserved);
+    FIELD(etd_summary, integrator);
     STRUCT(etd_ray);
     FIELD(etd_ray, origin);
     FIELD(etd_ray, tnear);

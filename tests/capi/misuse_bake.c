@@ -281,6 +281,10 @@ static void pass_bakes(void) {
     wrong.first_shadow_rays = 2;
     refuse_options(wrong, ETD_UNSUPPORTED, "light samples at what a camera sees");
     CHECK(strstr(etd_last_error_message(), "integrator.firstShadowRays is given, and a light map") != NULL);
+    wrong = options;
+    wrong.integrator = ETD_INTEGRATOR_AUTO;
+    wrong.allow_bias = ETD_SWITCH_ON;
+    refuse_options(wrong, ETD_UNSUPPORTED, "a bias in a choice for a camera");
 
     /* Capacities that are too small, and how much is needed. */
     CHECK_OK(etd_atlas_get_info(atlas, &info));

@@ -262,10 +262,32 @@ static void pass_first_shadow_rays(void) {
     options.first_shadow_rays = 1025;
     CHECK_STATUS(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT);
     CHECK(strstr(etd_last_error_message(), "options.first_shadow_rays: 1025 is out of range") != NULL);
-    options.first_shadow_rays = 0;
-    options.reserved = 1;
+}
+
+/* A bias that the choice of an integrator may have: what chooses none refuses it. */
+static void pass_allowed_bias(void) {
+    static const char text[] = "{\"etendue\": 1, " JSON_CAMERA ", \"render\": {\"integrator\": {\"type\": \"auto\", \"bias\": \"allowed\"}}}";
+    etd_scene *read = NULL;
+    etd_render_options options = short_render(1), own = ETD_RENDER_OPTIONS_INIT;
+    etd_integrator integrator;
+    CHECK(own.allow_bias == ETD_SWITCH_DEFAULT);
+    CHECK_OK(etd_scene_from_json(device, text, sizeof text - 1, NULL, &read));
+    CHECK_OK(etd_scene_get_render_options(read, &own));
+    CHECK(own.allow_bias == ETD_SWITCH_ON);
+    etd_scene_release(read);
+    options.allow_bias = 3;
     CHECK_STATUS(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT);
-    CHECK(strstr(etd_last_error_message(), "options.reserved is not 0") != NULL);
+    CHECK(strstr(etd_last_error_message(), "options.allow_bias") != NULL);
+    options.allow_bias = ETD_SWITCH_ON;
+    for (integrator = ETD_INTEGRATOR_PATH; integrator <= ETD_INTEGRATOR_RADIOSITY; ++integrator) {
+        options.integrator = integrator;
+        if (integrator == ETD_INTEGRATOR_AUTO) {
+            CHECK_OK(etd_render(scene, film, &options));
+            continue;
+        }
+        CHECK_STATUS(etd_render(scene, film, &options), ETD_UNSUPPORTED);
+        CHECK(strstr(etd_last_error_message(), "integrator.bias is allowed, and ") != NULL);
+    }
 }
 
 /* No numbers, and numbers out of range. */
@@ -405,6 +427,7 @@ void misuse_photons(void) {
     pass_shared_hits();
     pass_light_paths();
     pass_first_shadow_rays();
+    pass_allowed_bias();
     read_settings_of_a_scene();
     pass_parts_of_pictures();
     pass_options_of_the_first_version();

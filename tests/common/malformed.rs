@@ -591,6 +591,16 @@ fn renders(l: &mut List) {
             "\"integrator\": {\"type\": \"path\",\n@\"firstShadowRays\": 0}",
             "integrator.firstShadowRays: 0 is out of range, expected a whole number from 1 to 1024",
         ),
+        (
+            "a bias that is no name",
+            "\"integrator\": {\"type\": \"auto\",\n@\"bias\": true}",
+            "integrator.bias: invalid type: boolean `true`, expected a string",
+        ),
+        (
+            "an unknown name of a bias",
+            "\"integrator\": {\"type\": \"auto\",\n@\"bias\": \"small\"}",
+            "integrator.bias: unknown name `small`, expected `refused` or `allowed`",
+        ),
         ("reuse beside the integrator", "\"integrator\": \"path\",\n@\"reuse\": true", "reuse: unknown key"),
         ("seed negative", "@\"seed\": -1", "seed: invalid value: integer `-1`"),
         (

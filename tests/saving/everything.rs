@@ -672,6 +672,7 @@ pub fn settings() -> Vec<RenderDesc> {
         integrator: IntegratorDesc::Sppm,
         reuse: Some(true),
         light_paths: Some(true),
+        allow_bias: true,
         spectral: true,
         white_balance: Some([1.0 / 3.0, 0.3]),
         max_depth: Some(u32::MAX),

@@ -277,7 +277,8 @@ fn resolve(job: &BenchJob, scene: &Scene, notes: &mut Vec<String>) -> Vec<Case> 
     let mut cases = Vec::<Case>::new();
     for case in &job.cases {
         let (mut name, mut desc) = (case.name.clone(), case.desc.clone());
-        if desc.integrator == IntegratorDesc::Auto {
+        // Where a bias is allowed, the render chooses once more.
+        if desc.integrator == IntegratorDesc::Auto && !desc.allow_bias {
             desc.integrator = choose(scene).integrator;
             name = format!("{name} = {}", desc.integrator.name());
         }

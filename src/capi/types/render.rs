@@ -68,7 +68,7 @@ pub enum etd_integrator {
     ETD_INTEGRATOR_PPM = 7,
     /// Stochastic progressive photon mapping: a new map every pass, with radii that shrink pixel by pixel.
     ETD_INTEGRATOR_SPPM = 8,
-    /// Path tracing, path tracing with a caustic map, or stochastic progressive photon mapping, by what the scene holds.
+    /// Path tracing, path tracing with a caustic map, or stochastic progressive photon mapping, by what the scene holds; the irradiance cache where a bias is allowed.
     ETD_INTEGRATOR_AUTO = 9,
     /// The diffuse scene solved as a whole, for every view of it.
     ETD_INTEGRATOR_RADIOSITY = 10,
@@ -323,8 +323,10 @@ pub struct etd_render_options {
     /// `ETD_INTEGRATOR_PATH` alone; refused with others, for light maps and light at given points. 0: as many as at other hits, or up to
     /// eight times as many where a pilot of a long render says that it pays.
     pub first_shadow_rays: u32,
-    /// Must be 0.
-    pub reserved: u32,
+    /// An `etd_switch`: whether `ETD_INTEGRATOR_AUTO` may choose the irradiance cache, whose bias error estimates do not know. A pilot of a
+    /// long render without `target_error` then measures its bias, noise and time, and it is taken where the whole error times the time
+    /// is least. On is refused with other integrators, for light maps and light at given points. Off by default.
+    pub allow_bias: EtdSwitch,
 }
 
 /// A phase of work.
@@ -420,8 +422,8 @@ pub struct etd_summary {
     pub samples_max: u32,
     /// The reason why the render ended, an `etd_ended`.
     pub ended: etd_ended,
-    /// Always 0.
-    pub reserved: u32,
+    /// An `etd_integrator`: the one that took the samples; where `ETD_INTEGRATOR_AUTO` was asked for, the one that was chosen.
+    pub integrator: EtdIntegrator,
 }
 
 enumerations! {

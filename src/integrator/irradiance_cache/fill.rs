@@ -93,6 +93,8 @@ pub(super) struct CacheFiller {
     pub source: Gather,
     /// Side of the cube around the scene.
     pub extent: f32,
+    /// Number of rays after which filling is given up.
+    pub most_rays: u64,
 }
 
 /// Cost and outcome of a fill.
@@ -101,6 +103,8 @@ pub(super) struct FillStats {
     pub rays: u64,
     /// Whether filling stopped at the limit of records while sites were still uncovered.
     pub hit_record_limit: bool,
+    /// Whether filling was given up at the limit of rays.
+    pub hit_ray_limit: bool,
 }
 
 impl CacheFiller {
@@ -113,6 +117,7 @@ impl CacheFiller {
             cache: desc.cache.clone(),
             source: source.clone(),
             extent,
+            most_rays: u64::MAX,
         }
     }
 
@@ -143,7 +148,7 @@ impl CacheFiller {
         let mut stats = FillStats::default();
         let mut number = 0;
         let mut spacing = FIRST_SPACING.max(finest);
-        while !stats.hit_record_limit {
+        while !(stats.hit_record_limit || stats.hit_ray_limit) {
             let [columns, rows] = filler.resolution.map(|n| ((f64::from(n) / spacing).ceil() as usize).max(1));
             for from in (0..columns * rows).step_by(MAX_GRID_POINTS) {
                 let grid_points = from..(from + MAX_GRID_POINTS).min(columns * rows);
@@ -210,6 +215,10 @@ impl CacheFiller {
     ) -> Result<()> {
         let mut waiting = std::collections::VecDeque::from(sites);
         while !waiting.is_empty() {
+            if stats.rays > self.most_rays {
+                stats.hit_ray_limit = true;
+                return Ok(());
+            }
             let mut batch: Vec<Site> = Vec::new();
             let mut later = Vec::new();
             {

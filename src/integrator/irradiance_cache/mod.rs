@@ -64,6 +64,8 @@ use crate::scene::Scene;
 pub struct FillReport {
     /// Rays traced.
     pub rays: u64,
+    /// Root mean square of the relative error of indirect light at the places that the camera sees; 0 where it is not known.
+    pub rms_error: f64,
     /// Notes for the user.
     pub notes: Vec<String>,
 }
@@ -87,11 +89,28 @@ pub fn fill_cache(
     source: &Gather,
     parallel: &mut impl Parallel,
 ) -> Result<(IrradianceCache, FillReport)> {
+    let (cache, report) = fill_within(scene, camera, desc, source, u64::MAX, parallel)?;
+    Ok((cache.unwrap_or_default(), report))
+}
+
+/// [`fill_cache`], unless that takes more than so many rays; there is no cache then.
+///
+/// # Errors
+/// As [`fill_cache`].
+pub(crate) fn fill_within(
+    scene: &Scene,
+    camera: &Camera,
+    desc: &Arc<RenderDesc>,
+    source: &Gather,
+    most_rays: u64,
+    parallel: &mut impl Parallel,
+) -> Result<(Option<IrradianceCache>, FillReport)> {
     parallel.check()?;
     let bounds = &scene.info().bounds;
     // A scene without light is black, and paths find that out sooner.
+    let empty = || Ok((Some(IrradianceCache::default()), FillReport::default()));
     if bounds.is_empty() || scene.emitters().is_dark() {
-        return Ok(Default::default());
+        return empty();
     }
     // A cube around the scene, enlarged for rounding.
     let size = bounds.max - bounds.min;
@@ -99,22 +118,30 @@ pub fn fill_cache(
     let min = scene.to_scene(bounds.centre() - DVec3::splat(0.5 * side));
     let side = side as f32;
     if !(side > 0.0 && side.is_finite() && min.is_finite()) {
-        return Ok(Default::default());
+        return empty();
     }
     // Grid points at half the smallest distance between records find all sites that need one.
     let pixels: f64 = desc.resolution.iter().map(|&n| f64::from(n)).product();
     let finest = (0.5 * desc.cache.min_spacing).clamp(1.0, 16.0).max((pixels / MAX_GRID_POINTS).sqrt());
-    let filler = CacheFiller::new(scene, camera, desc, source, side);
+    let filler = CacheFiller { most_rays, ..CacheFiller::new(scene, camera, desc, source, side) };
     let mut rays = 0;
     let mut final_filler = filler.clone();
+    let given_up = |rays| Ok((None, FillReport { rays, ..FillReport::default() }));
     if desc.cache.source == CacheSource::Paths {
         let (coarse, stats) = filler.coarse().fill(min, finest.max(COARSE_SPACING), parallel)?;
         rays += stats.rays;
+        if stats.hit_ray_limit {
+            return given_up(rays);
+        }
         final_filler.source = source.ending_at(Arc::new(coarse));
+        final_filler.most_rays = most_rays.saturating_sub(rays);
     }
     let (cache, stats) = final_filler.fill(min, finest, parallel)?;
     rays += stats.rays;
-    let mut report = FillReport { rays, notes: Vec::new() };
+    if stats.hit_ray_limit {
+        return given_up(rays);
+    }
+    let mut report = FillReport { rays, ..FillReport::default() };
     if stats.hit_record_limit {
         report.notes.push(format!(
             "the irradiance cache was ended at {} records: paths go on where it says nothing",
@@ -124,11 +151,12 @@ pub fn fill_cache(
     let cache = Arc::new(cache);
     let accuracy = probe::measure_accuracy(&cache, &filler, parallel)?;
     report.rays += accuracy.rays;
+    report.rms_error = accuracy.rms;
     report.notes.push(format!(
         "irradiance cache: {} records, {:.3e} rays, {:.1} MiB; {accuracy}",
         cache.len(),
         rays as f64,
         cache.bytes() as f64 / f64::from(1 << 20),
     ));
-    Ok((Arc::unwrap_or_clone(cache), report))
+    Ok((Some(Arc::unwrap_or_clone(cache)), report))
 }

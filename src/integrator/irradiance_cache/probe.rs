@@ -41,7 +41,7 @@ pub(super) struct CacheAccuracy {
     bias: f64,
     bias_error: f64,
     /// Root mean square of the relative error, with the noise of the probes themselves subtracted.
-    rms: f64,
+    pub rms: f64,
     pub rays: u64,
 }
 

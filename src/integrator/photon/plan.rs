@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::super::aim::Aims;
-use super::super::irradiance_cache::fill_cache;
+use super::super::irradiance_cache::fill_within;
 use super::super::{check_still, check_support};
 use super::choose::aimed_paths_find_caustics;
 use super::coverage::DiskCoverage;
@@ -113,21 +113,58 @@ impl Plan {
     /// the scene.
     pub fn gather(&mut self, sample: u32, parallel: &mut impl Parallel) -> Result<Gather> {
         self.gather_with(sample, parallel, |plan, gather, notes, parallel| match plan.method {
-            PhotonMethod::IrradianceCache => plan.fill_cache(gather, notes, parallel),
+            PhotonMethod::IrradianceCache => plan.fill_cache(gather, u64::MAX, notes, parallel).map(|_| ()),
             _ => Ok(()),
         })
     }
 
-    /// Fills the irradiance cache, in which the integrator's paths end; the global map is used only for filling.
-    fn fill_cache(&mut self, gather: &mut Gather, notes: &mut Vec<String>, parallel: &mut impl Parallel) -> Result<()> {
+    /// Whether an irradiance cache needs no photon map: no light comes to diffuse surfaces by mirrors and glass, or rays that are aimed at
+    /// these find it.
+    ///
+    /// # Errors
+    /// As [`Plan::gather`].
+    pub fn is_cache_alone(&self) -> Result<bool> {
+        let is_aimed = self.aims()?.is_some();
+        Ok(self.method == PhotonMethod::IrradianceCache && self.wanted_maps(1.0, is_aimed).is_empty())
+    }
+
+    /// The integrator that reads the irradiance cache, and the root mean square of the relative error of indirect light that the cache has
+    /// found in itself. `None` where filling the cache takes more than so many rays.
+    ///
+    /// # Errors
+    /// As [`Plan::gather`].
+    pub fn cache_within(&mut self, most_rays: u64, parallel: &mut impl Parallel) -> Result<Option<(Gather, f64)>> {
+        let mut rms_error = None;
+        // An earlier call may have been cancelled.
+        (self.made, self.notes) = (None, Vec::new());
+        let gather = self.gather_with(0, parallel, |plan, gather, notes, parallel| {
+            rms_error = plan.fill_cache(gather, most_rays, notes, parallel)?;
+            Ok(())
+        })?;
+        if rms_error.is_none() {
+            self.made = None;
+        }
+        Ok(rms_error.map(|rms_error| (gather, rms_error)))
+    }
+
+    /// Fills the irradiance cache, in which the integrator's paths end; the global map is used only for filling. Returns the error that the
+    /// cache has found in itself; `None`, and no cache, where filling takes more than so many rays.
+    fn fill_cache(
+        &mut self,
+        gather: &mut Gather,
+        most_rays: u64,
+        notes: &mut Vec<String>,
+        parallel: &mut impl Parallel,
+    ) -> Result<Option<f64>> {
         // Gather rays begin after one bounce, so the global map may end them at the first diffuse hit.
         let ends = if gather.diffuse.is_some() { PathEnd::AfterGather } else { PathEnd::Never };
         let source = Gather { ends, ..gather.clone() };
-        let (cache, report) = fill_cache(&self.scene, &self.camera, &self.desc, &source, parallel)?;
+        let (cache, report) = fill_within(&self.scene, &self.camera, &self.desc, &source, most_rays, parallel)?;
         self.rays += report.rays;
         notes.extend(report.notes);
-        (gather.cache, gather.diffuse, gather.ends) = (Some(Arc::new(cache)), None, PathEnd::AtCache);
-        Ok(())
+        let Some(cache) = cache else { return Ok(None) };
+        *gather = gather.ending_at(Arc::new(cache));
+        Ok(Some(report.rms_error))
     }
 }
 

@@ -37,6 +37,8 @@ pub(in super::super) struct Header {
     pub light_paths: Option<u32>,
     /// Number of light samples at the hits that the camera sees; `None` as long as a pilot is to say.
     pub first_shadow_rays: Option<u32>,
+    /// Whether `auto` has taken the irradiance cache in place of paths; `None` as long as a pilot is to say.
+    pub cache: Option<bool>,
     /// Number of complete samples per pixel.
     pub samples: u32,
     /// Number of samples per pixel at which the next decision is made.
@@ -180,7 +182,8 @@ impl Header {
 
     /// What pixels have in common.
     pub fn ways(&self) -> Ways {
-        Ways { reuse: self.reuse, light_paths: self.light_paths, first_shadow_rays: self.first_shadow_rays }
+        let Self { reuse, light_paths, first_shadow_rays, cache, .. } = *self;
+        Ways { reuse, light_paths, first_shadow_rays, cache }
     }
 
     /// The part of the picture.

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use super::super::schedule::Schedule;
 use super::super::ways::Ways;
 use super::super::{Maps, Render, RenderSettings};
-use super::{Checkpoint, Header};
-use crate::desc::RenderDesc;
+use super::{Checkpoint, Header, damaged};
+use crate::desc::{IntegratorDesc, RenderDesc};
 use crate::error::{Error, ErrorKind, Result};
 use crate::film::Film;
 use crate::integrator::{check_first_shadow_rays, check_light_paths};
@@ -42,9 +42,15 @@ impl Render {
         if header.first_shadow_rays.is_some_and(|count| count != own) {
             check_first_shadow_rays(render.integrator())?;
         }
-        // A render that has begun without a number of its own goes on as it began.
-        let begun = header.first_shadow_rays.or((header.samples > 0).then_some(own));
-        render.set_ways(Ways { first_shadow_rays: begun, ..header.ways() });
+        let is_cached = header.cache == Some(true);
+        if is_cached && render.cache.is_none() && render.integrator() != IntegratorDesc::IrradianceCache {
+            return Err(damaged("its render took an irradiance cache that these settings do not ask for"));
+        }
+        // A render that has begun without a number or a choice of its own goes on as it began.
+        let has_begun = header.samples > 0;
+        let first_shadow_rays = header.first_shadow_rays.or(has_begun.then_some(own));
+        let cache = header.cache.or(has_begun.then_some(false));
+        render.set_ways(Ways { first_shadow_rays, cache, ..header.ways() });
         // Another render may still fill the film of a checkpoint that was not read from a file.
         render.film = Arc::new(Arc::try_unwrap(film).or_else(|film| Film::copy_of(&film))?);
         render.stage = stage;
@@ -72,11 +78,12 @@ impl Render {
     }
 
     pub(in super::super) fn state(&self) -> Checkpoint {
-        let Ways { reuse, light_paths, first_shadow_rays } = self.ways();
+        let Ways { reuse, light_paths, first_shadow_rays, cache } = self.ways();
         let header = Header {
             reuse,
             light_paths,
             first_shadow_rays,
+            cache,
             samples: self.samples,
             decision: self.decision,
             stage: self.stage.as_ref().map(|stage| stage.span()),

@@ -1,5 +1,8 @@
 //! What the squares of a pilot and its light paths tell of the time to a given error in each way.
 
+use super::super::order::SQUARE;
+use super::super::ways::SAMPLES;
+use super::cached::Cached;
 use crate::film::ErrorEstimate;
 
 /// Time of a ray of sharing over the time of a path's ray without. The rays that sharing adds are shadow rays to common ends.
@@ -49,8 +52,23 @@ pub(in super::super) struct Found {
     pub count: u32,
     /// Number of light samples at the hits that the camera sees, in that of other hits.
     pub first_shadow_rays: u32,
+    /// What the best of these ways costs.
+    pub best: Best,
+    /// What was found of the irradiance cache, where it was asked.
+    pub cached: Option<Cached>,
     /// Number of rays of the pilot.
     pub rays: u64,
+}
+
+/// What the best way of paths costs.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in super::super) struct Best {
+    /// Its place among those that the squares were rendered in; `None` with light paths, which know of errors that no square shows.
+    pub way: Option<usize>,
+    /// Error of the samples of the pilot, as the mean over squares.
+    pub error: f64,
+    /// Time of a sample of a pixel, in that of a ray of paths by themselves.
+    pub rays: f64,
 }
 
 impl Found {
@@ -109,8 +127,7 @@ impl Caustics {
 
 /// The errors of a square in two ways. One that rests on few pixels counts [`FEW_TIMES`] the other at most, since rare bright paths may have
 /// been met by chance in one way only.
-fn errors_of(costs: [&Cost; 2]) -> [f64; 2] {
-    let [first, second] = costs.map(|cost| cost.error);
+pub(super) fn errors_of([first, second]: [ErrorEstimate; 2]) -> [f64; 2] {
     let limited = |error: ErrorEstimate, other: ErrorEstimate| {
         let most = if error.is_heavy_tailed() { FEW_TIMES * other.value } else { f64::INFINITY };
         error.value.min(most)
@@ -153,7 +170,7 @@ impl Model {
         let light = light.map(|(count, rays)| (count, TIME_OF_A_LIGHT_RAY * rays / (few * ray)));
         let mut errors = vec![0.0; ways];
         for square in squares {
-            let [first, second] = errors_of([&square.costs[0], &square.costs[ways - 1]]);
+            let [first, second] = errors_of([square.costs[0].error, square.costs[ways - 1].error]);
             errors[ways - 1] += second;
             if ways > 1 {
                 errors[0] += first;
@@ -175,7 +192,7 @@ impl Model {
         for square in squares {
             let (Some(few), Some(more)) = (square.costs.get(ways - 1), square.costs.get(ways)) else { continue };
             let [rays, rays_of_few, rays_of_more] = [&square.costs[0], few, more].map(|cost| cost.rays as f64);
-            let [with_few, with_more] = errors_of([few, more]);
+            let [with_few, with_more] = errors_of([few.error, more.error]);
             let of = [with_few, with_more, rays, rays_of_few, rays_of_more];
             sums.iter_mut().zip(of).for_each(|(sum, of)| *sum += of);
         }
@@ -191,9 +208,9 @@ impl Model {
         Self { rest, caustics, times, light, direct }
     }
 
-    /// What a way costs, error times time, with light paths at this place of [`TIMES_AS_MANY`] or without, and the number of light samples
-    /// at the first hit that makes it least.
-    fn cost(&self, way: usize, place: Option<usize>) -> (f64, u32) {
+    /// What a way costs with light paths at this place of [`TIMES_AS_MANY`] or without, with the number of light samples at the first hit
+    /// that makes it least.
+    fn cost(&self, way: usize, place: Option<usize>) -> WayCost {
         let (mut error, mut time) = (self.rest[way], self.times[way]);
         match (place, self.light) {
             (Some(place), Some((_, light))) => {
@@ -205,11 +222,30 @@ impl Model {
         let with = |times: u32| {
             let [direct, longer] = self.direct.unwrap_or_default();
             let gone = direct * (1.0 - 1.0 / f64::from(times));
-            (error - gone).max(LEAST_REST * error) * (time + f64::from(times - 1) * longer)
+            let error = (error - gone).max(LEAST_REST * error);
+            WayCost { error, time: time + f64::from(times - 1) * longer, first_shadow_rays: times }
         };
-        let counted = |times: u32| (if times > 1 { DOUBT_OF_SAMPLES * with(times) } else { with(times) }, times);
-        let best = TIMES_AS_MANY_SAMPLES.map(counted).into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
-        best.unwrap_or((with(1), 1))
+        let costs = TIMES_AS_MANY_SAMPLES.map(with).into_iter();
+        costs.min_by(|a, b| a.counted().total_cmp(&b.counted())).unwrap_or_else(|| with(1))
+    }
+}
+
+/// What a way costs.
+#[derive(Clone, Copy, Debug)]
+struct WayCost {
+    /// Sum of the errors of the squares.
+    error: f64,
+    /// In that of paths by themselves.
+    time: f64,
+    /// Number of light samples at the hits that the camera sees, in that of other hits.
+    first_shadow_rays: u32,
+}
+
+impl WayCost {
+    /// Error times time, as it counts against other ways.
+    fn counted(&self) -> f64 {
+        let doubt = if self.first_shadow_rays > 1 { DOUBT_OF_SAMPLES } else { 1.0 };
+        doubt * self.error * self.time
     }
 }
 
@@ -220,31 +256,47 @@ pub(super) fn compare(squares: &[Square], ways: usize, light: Option<(u32, f64)>
     let model = Model::of(squares, ways, light, ray);
     // Black squares, and those without noise, gain nothing.
     let gain = |before: f64, after: f64| if before > 0.0 { before / after.max(f64::MIN_POSITIVE) } else { 0.0 };
-    let gain_of_second = |costs: &[(f64, u32)]| match costs {
-        [first, second, ..] => gain(first.0, second.0),
+    let gain_of_second = |costs: &[WayCost]| match costs {
+        [first, second, ..] => gain(first.counted(), second.counted()),
         _ => 0.0,
     };
     let plain: Vec<_> = (0..ways).map(|way| model.cost(way, None)).collect();
     let sharing = gain_of_second(&plain);
     let chosen = |sharing: f64| usize::from(sharing >= LEAST_GAIN);
-    let first_shadow_rays = plain[chosen(sharing)].1;
-    let without = Found { sharing, light: 0.0, count: 0, first_shadow_rays, rays };
+    let few = squares.iter().map(|square| square.costs[0].rays).sum::<u64>() as f64;
+    let count = squares.len().max(1) as f64;
+    let best = |way, cost: WayCost| {
+        let samples = count * f64::from(SQUARE * SQUARE * SAMPLES);
+        Best { way, error: cost.error / count, rays: cost.time * few * ray / samples }
+    };
+    let without = chosen(sharing);
+    let without = Found {
+        sharing,
+        light: 0.0,
+        count: 0,
+        first_shadow_rays: plain[without].first_shadow_rays,
+        best: best(Some(without), plain[without]),
+        cached: None,
+        rays,
+    };
     let Some((count, _)) = light else { return without };
-    // For each way the least cost, with the number of light samples, and of how many light paths it is.
+    // For each way the least cost, and of how many light paths it is.
     let lit: Vec<_> = (0..ways)
         .map(|way| {
             let costs = (0..TIMES_AS_MANY.len()).map(|place| (model.cost(way, Some(place)), TIMES_AS_MANY[place]));
-            costs.min_by(|a, b| a.0.0.total_cmp(&b.0.0)).unwrap_or(((f64::INFINITY, 1), 1))
+            costs.min_by(|a, b| a.0.counted().total_cmp(&b.0.counted())).unwrap_or((model.cost(way, None), 1))
         })
         .collect();
     let lit_sharing = gain_of_second(&lit.iter().map(|(cost, _)| *cost).collect::<Vec<_>>());
-    let ((cost, first_shadow_rays), times) = lit[chosen(lit_sharing)];
-    let gained = gain(plain[chosen(sharing)].0, cost);
+    let way = chosen(lit_sharing);
+    let (cost, times) = lit[way];
+    let gained = gain(plain[chosen(sharing)].counted(), cost.counted());
     let count = count.saturating_mul(times);
     if gained < LEAST_LIGHT_GAIN {
         return Found { light: gained, count, ..without };
     }
-    Found { sharing: lit_sharing, light: gained, count, first_shadow_rays, rays }
+    let first_shadow_rays = cost.first_shadow_rays;
+    Found { sharing: lit_sharing, light: gained, count, first_shadow_rays, best: best(None, cost), ..without }
 }
 
 #[cfg(test)]

@@ -8,17 +8,22 @@
 //! alone, is the sum of x^2 b / a; a f^2 / (a + b)^2, of these with their weights, that of x^2 a b / (a + b)^2; and f^2 / (a + b), of both
 //! together, that of x^2 b / (a + b). With k times as many light paths, b becomes k b.
 //!
+//! Where a bias is allowed, the best of these ways is compared with the irradiance cache ([`cached`]).
+//!
 //! Every other square is rendered once more with several light samples for each at the hits that the camera sees. The error is A + B / n
 //! for n times as many, so that both errors give B.
 //!
 //! Source: Grittmann, Yazici, Georgiev, Slusallek 2022, "Efficiency-Aware Multiple Importance Sampling for Bidirectional Rendering
 //! Algorithms".
 
+mod cached;
 mod gain;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
+use cached::{Asked, try_cache};
 use gain::{
     Caustics, Cost, NO_ERROR, SAMPLES_TRIED, Square, TIME_OF_A_RAY_AMONG_SHARED, TIMES_AS_MANY, compare, mean_error,
 };
@@ -34,6 +39,7 @@ use crate::error::Result;
 use crate::film::{Film, FilmOptions, Placement};
 use crate::integrator::aim::Aims;
 use crate::integrator::light_tracing::{LightPaths, LightPictures, PATHS_A_BLOCK};
+use crate::integrator::photon::Plan;
 use crate::spectrum::LUMINANCE_WEIGHTS;
 
 /// Least and greatest number of squares of a pilot in a row and in a column.
@@ -52,13 +58,27 @@ const MOST_LIGHT_PATHS: u64 = 1 << 20;
 /// Random numbers of the pilot. They do not depend on the seed of the render, so that renders of the same settings choose alike.
 const SEED: u64 = 0x70_696c_6f74;
 
-/// Renders small squares of the picture in the ways that are open, and traces some light paths.
+/// What is to be compared with paths: the irradiance cache, in the time that is left, where there is a limit.
+pub(super) struct CacheToTry<'a> {
+    pub plan: &'a mut Plan,
+    pub time_left: Option<Duration>,
+}
+
+/// Renders small squares of the picture in the ways that are open, and traces some light paths. `cache` is compared with the best of these
+/// ways.
 ///
 /// # Errors
 /// [`crate::ErrorKind::Cancelled`] if the work was stopped, `OutOfMemory` for films of squares that do not fit.
-pub(super) fn pilot(input: &PassInput, undecided: &Undecided, parallel: &mut impl Parallel) -> Result<Found> {
+pub(super) fn pilot(
+    input: &PassInput,
+    undecided: &Undecided,
+    cache: Option<CacheToTry<'_>>,
+    parallel: &mut impl Parallel,
+) -> Result<Found> {
+    let start = Instant::now();
     let across = undecided.across;
     let token = parallel.token();
+    let asked = f64::from(input.desc.samples);
     let samples = input.desc.resolution.map(u64::from).iter().product::<u64>() * u64::from(input.desc.samples);
     let desc = Arc::new(RenderDesc { seed: SEED, samples: SAMPLES, ..(*input.desc).clone() });
     let input = PassInput { desc, ..input.clone() };
@@ -110,6 +130,17 @@ pub(super) fn pilot(input: &PassInput, undecided: &Undecided, parallel: &mut imp
     let ray = if matches!(input.method, Method::Reuse(_)) { TIME_OF_A_RAY_AMONG_SHARED } else { 1.0 };
     let mut found = compare(&squares, kinds, light, ray);
     found.rays += light_rays.0;
+    if let Some(CacheToTry { plan, time_left }) = cache {
+        let ray_time = start.elapsed().as_secs_f64() / found.rays.max(1) as f64;
+        let rendered = input.film.options().resolution.map(f64::from).iter().product::<f64>();
+        let in_time = time_left.map_or(f64::INFINITY, |left| {
+            (left.saturating_sub(start.elapsed())).as_secs_f64() / (ray_time * found.best.rays * rendered)
+        });
+        let asked = Asked { samples: asked.min(in_time).max(1.0), pixels };
+        let (cached, rays) = try_cache(&input, plan, (across, &squares, found.best), asked, parallel)?;
+        found.rays += rays;
+        found.cached = Some(cached);
+    }
     Ok(found)
 }
 
