@@ -13,6 +13,9 @@ pub struct Disk {
     normal: DVec3,
 }
 
+/// Points whose squared distance from the centre is 1 within this are on the edge.
+const ON_EDGE: f64 = 1e-9;
+
 impl Disk {
     /// The disk of this centre, unit normal and radius > 0 under an invertible transform.
     pub fn new(centre: DVec3, normal: DVec3, radius: f64, transform: &DAffine3) -> Self {
@@ -100,16 +103,24 @@ impl Disk {
         (self.centre, angles.map(|angle| self.centre + angle.cos() * a + angle.sin() * b).collect())
     }
 
-    /// Triangles from the centre to the edge, `count` >= 3 of them, with the total area of the disk: their outer
-    /// corners lie a little beyond the edge.
+    /// Triangles from the centre to points of the edge, `count` >= 3 of them.
     pub(crate) fn fan(&self, count: u32) -> Vec<[DVec3; 3]> {
         let step = std::f64::consts::TAU / f64::from(count);
-        let reach = (step / step.sin()).sqrt();
-        let at = |i: u32| {
-            let (sin, cos) = (f64::from(i % count) * step).sin_cos();
-            self.centre + reach * (cos * self.radii[0] + sin * self.radii[1])
-        };
-        (0..count).map(|i| [self.centre, at(i), at(i + 1)]).collect()
+        let (centre, edge) = self.rim((0..count).map(|i| f64::from(i) * step));
+        (0..count as usize).map(|i| [centre, edge[i], edge[(i + 1) % edge.len()]]).collect()
+    }
+
+    /// Whether a point is on the edge.
+    pub(crate) fn is_on_edge(&self, p: DVec3) -> bool {
+        let [x, y] = self.coordinates(p);
+        (x * x + y * y - 1.0).abs() < ON_EDGE
+    }
+
+    /// The middle of the shorter arc between two points of the edge.
+    pub(crate) fn middle_of_arc(&self, a: DVec3, b: DVec3) -> DVec3 {
+        let [x, y] = self.coordinates(0.5 * (a + b));
+        let length = x.hypot(y);
+        self.at([x / length, y / length])
     }
 
     /// A bounding box.

@@ -13,6 +13,7 @@ mod tessellate;
 mod triangle;
 
 pub use disk::Disk;
+pub(crate) use quadric::ClipFaces;
 pub use quadric::Quadric;
 pub use ray::DRay;
 pub use sphere::Sphere;

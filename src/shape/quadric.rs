@@ -18,6 +18,23 @@ pub struct Quadric {
     size: f64,
 }
 
+/// Most Newton steps of [`Quadric::settle`].
+const MOST_STEPS: usize = 8;
+
+/// A point is on a face of the clip box within this fraction of the surface's extent.
+const ON_FACE: f64 = 1e-9;
+
+/// Faces of a clip box: -1 is the lower one of an axis, 1 the upper one, 0 none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct ClipFaces([i8; 3]);
+
+impl ClipFaces {
+    /// The faces that both have.
+    pub fn and(self, other: Self) -> Self {
+        Self(std::array::from_fn(|axis| if self.0[axis] == other.0[axis] { self.0[axis] } else { 0 }))
+    }
+}
+
 impl Quadric {
     /// A quadric from its ten coefficients (see [`crate::desc::ShapeDesc::Quadric`]), clip box and own frame to scene.
     ///
@@ -100,6 +117,58 @@ impl Quadric {
         // Normals go by the inverse transpose of the frame's matrix.
         let normal = (self.to_own.matrix3.transpose() * gradient).try_normalize();
         (self.to_scene.transform_point3(own), normal.unwrap_or_else(|| self.to_scene.matrix3.x_axis.normalize()))
+    }
+
+    /// The point of the clipped surface near `p`, by some Newton steps along the gradient, and the outward unit normal there. A step that
+    /// leaves the clip box goes on within the face that it met; `faces` are faces of the box in which it begins.
+    pub(crate) fn settle(&self, p: DVec3, faces: ClipFaces) -> (DVec3, DVec3) {
+        let mut own = self.to_own.transform_point3(p);
+        let mut free = DVec3::ONE;
+        let (low, high) = (self.clip.min.to_array(), self.clip.max.to_array());
+        for (axis, face) in faces.0.into_iter().enumerate() {
+            if face != 0 {
+                own[axis] = if face < 0 { low[axis] } else { high[axis] };
+                free[axis] = 0.0;
+            }
+        }
+        for _ in 0..MOST_STEPS {
+            let gradient = free * self.gradient(own);
+            let slope2 = gradient.length_squared();
+            let moved = own - gradient * (self.value(own) / slope2);
+            if slope2 == 0.0 || !moved.is_finite() {
+                break;
+            }
+            let kept = moved.clamp(self.clip.min, self.clip.max);
+            for axis in 0..3 {
+                if kept[axis] != moved[axis] {
+                    free[axis] = 0.0;
+                }
+            }
+            let is_settled = kept.distance(own) <= 4.0 * f64::EPSILON * own.abs().max_element();
+            own = kept;
+            if is_settled {
+                break;
+            }
+        }
+        let normal = (self.to_own.matrix3.transpose() * self.gradient(own)).try_normalize();
+        (self.to_scene.transform_point3(own), normal.unwrap_or_else(|| self.to_scene.matrix3.x_axis.normalize()))
+    }
+
+    /// The faces of the clip box on which a point of the surface lies.
+    pub(crate) fn faces_at(&self, p: DVec3) -> ClipFaces {
+        let own = self.to_own.transform_point3(p).to_array();
+        let extent = (self.own_bounds.max - self.own_bounds.min).max_element();
+        let is_at = |x: f64, bound: f64| (x - bound).abs() <= ON_FACE * extent;
+        ClipFaces(std::array::from_fn(|axis| {
+            let (low, high) = (self.clip.min[axis], self.clip.max[axis]);
+            i8::from(is_at(own[axis], high)) - i8::from(is_at(own[axis], low))
+        }))
+    }
+
+    /// A vector of the scene in cells of the grid of [`Self::triangles`].
+    pub(crate) fn in_cells(&self, vector: DVec3, cells: u32) -> DVec3 {
+        let step = (self.own_bounds.max - self.own_bounds.min) / f64::from(cells);
+        self.to_own.transform_vector3(vector) / step
     }
 
     /// Bounding box of the clipped surface, scene frame; infinite where nothing bounds it.

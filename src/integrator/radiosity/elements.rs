@@ -19,7 +19,7 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::math::{Bounds, DVec3, HitPoint, Vec3};
 use crate::room::check_room;
 use crate::scene::{Body, Scene};
-use crate::shape::Analytic;
+use crate::shape::{Analytic, ClipFaces};
 use crate::spectrum::Rgb;
 
 /// Index that stands for "none".
@@ -46,8 +46,17 @@ pub(super) struct Node {
     pub cone: f64,
     /// Area over the area of the flat element, on convex sides; 1 on others.
     pub area_ratio: f64,
+    /// Area of the flat element over the area, on hollow sides; 1 on others. The flat element is the opening through which all light
+    /// comes and goes; of the light that leaves the element, the rest comes back to it.
+    pub opening: f64,
     /// Whether it is a part of a shape that curves towards its normal, as the inner side of a ball does.
     pub is_hollow: bool,
+    /// How far the shape reaches behind a hollow element; 0 for others.
+    pub depth: f64,
+    /// Whether it is seen by an outline that follows its shape: as hollow elements are, and those at the edge of a disk.
+    pub is_outlined: bool,
+    /// The bends of its sides where it is seen by its outline.
+    pub bends: Option<Box<[DVec3; 3]>>,
     /// Whether another surface touches the element, or its vertices interpolate the irradiance inside badly.
     pub is_discontinuous: bool,
 }
@@ -59,6 +68,11 @@ impl Node {
 
     pub fn is_leaf(&self) -> bool {
         self.children == 0
+    }
+
+    /// The area from which its light is seen.
+    pub fn window(&self) -> f64 {
+        self.area * self.opening
     }
 
     pub fn range(&self) -> std::ops::Range<usize> {
@@ -128,9 +142,8 @@ const BYTES_PER_PATCH: usize = 2 * size_of::<Node>() + size_of::<Patch>() + 200;
 /// An element is hollow where its middle lies so far behind its flat element, in its radii.
 const FLATNESS: f64 = 1e-6;
 
-/// Sides of hollow elements are seen as chords from farther away than this, in lengths of the chord. Where an element is evaluated by its
-/// children, which is near to it, its neighbour's side must not be a chord yet: with 1, a ball would lose two per cent a bounce.
-const CHORD_DISTANCE: f64 = 2.0;
+/// Sides of elements that are seen by their outline are divided nearer to a point than this, in lengths of the side.
+const BEND_DISTANCE: f64 = 1.0;
 
 /// Most levels of subdivision below a patch.
 const MAX_DEPTH: u32 = 16;
@@ -308,16 +321,26 @@ impl Elements {
         let centre = (a + b + c) / 3.0;
         let flat = 0.5 * (b - a).cross(c - a).length();
         let radius = [a, b, c].iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
-        let (mut whole, mut area_ratio, mut is_hollow) = (area.unwrap_or(flat), 1.0, false);
+        let (mut whole, mut area_ratio, mut opening) = (area.unwrap_or(flat), 1.0, 1.0);
+        let (mut is_hollow, mut depth, mut is_outlined, mut bends) = (false, 0.0, false, None);
         if let Some(shape) = self.shape(patch) {
             whole = curved_area(shape, &[a, b, c]);
             // Convex sides are seen from far away, where their area counts. Hollow sides surround their receivers, which see their
             // outlines.
-            let bulge = (shape.project(centre).0 - centre).dot(normal);
+            // Along the normal of the shape: that of a narrow triangle may be far from it.
+            let (middle, outer) = settle(shape, centre);
+            let bulge = (middle - centre).dot(if outer.dot(normal) < 0.0 { -outer } else { outer });
             if bulge > 0.0 && flat > 0.0 {
                 area_ratio = whole / flat;
             }
             is_hollow = bulge < -FLATNESS * radius;
+            if is_hollow && whole > 0.0 {
+                opening = (flat / whole).min(1.0);
+                depth = -bulge;
+            }
+            is_outlined = is_hollow
+                || matches!(shape, Analytic::Disk(disk) if [a, b, c].iter().filter(|p| disk.is_on_edge(**p)).count() == 2);
+            bends = is_outlined.then(|| Box::new([[a, b], [b, c], [c, a]].map(|[a, b]| bend_of(shape, a, b))));
         }
         Node {
             centre,
@@ -331,7 +354,11 @@ impl Elements {
             corners,
             cone: 0.0,
             area_ratio,
+            opening,
             is_hollow,
+            depth,
+            is_outlined,
+            bends,
             is_discontinuous: false,
         }
     }
@@ -344,13 +371,14 @@ impl Elements {
     pub fn factor_at(&self, p: DVec3, n: DVec3, node: &Node) -> f64 {
         let corners = self.triangle(node);
         let shape = match self.shape(node.patch) {
-            Some(shape) if node.is_hollow => shape,
+            Some(shape) if node.is_outlined => shape,
             _ => return form_factor::point_to_front(p, n, &corners, node.normal) * node.area_ratio,
         };
         let [a, b, c] = corners;
-        let mut outline = Outline::begin(p, n, a);
-        for ends in [[a, b], [b, c], [c, a]] {
-            self.go_along(shape, &mut outline, ends, p, MAX_DEPTH);
+        let mut outline = Outline::begin_winding(p, n, a);
+        let sides = [[a, b], [b, c], [c, a]];
+        for (side, ends) in sides.into_iter().enumerate() {
+            self.go_along(shape, &mut outline, ends, p, node.bends.as_ref().map(|bends| bends[side]), MAX_DEPTH);
         }
         let is_clockwise = (b - a).cross(c - a).dot(node.normal) < 0.0;
         let factor = outline.end();
@@ -368,17 +396,27 @@ impl Elements {
         }
     }
 
-    /// Follows the side of a hollow element, which is divided as those of its children are until it is short for its distance from `p`.
-    fn go_along(&self, shape: &Analytic, outline: &mut Outline, [a, b]: [DVec3; 2], p: DVec3, levels: u32) {
+    /// Follows the side of an element along its shape. The side is halved as those of its children are until it is short for its distance
+    /// from `p`, and there has one bend, `bend` where it is known.
+    fn go_along(
+        &self,
+        shape: &Analytic,
+        outline: &mut Outline,
+        [a, b]: [DVec3; 2],
+        p: DVec3,
+        bend: Option<DVec3>,
+        levels: u32,
+    ) {
         let middle = 0.5 * (a + b);
         let length2 = a.distance_squared(b);
-        let is_far = length2 <= p.distance_squared(middle) / (CHORD_DISTANCE * CHORD_DISTANCE);
+        let is_far = length2 <= p.distance_squared(middle) / (BEND_DISTANCE * BEND_DISTANCE);
         if levels == 0 || is_far || length2 <= 0.25 * self.min_side2 {
+            outline.go_to(bend.unwrap_or_else(|| bend_of(shape, a, b)));
             return outline.go_to(b);
         }
-        let middle = on_shape(shape, middle);
-        self.go_along(shape, outline, [a, middle], p, levels - 1);
-        self.go_along(shape, outline, [middle, b], p, levels - 1);
+        let middle = middle_on(shape, a, b);
+        self.go_along(shape, outline, [a, middle], p, None, levels - 1);
+        self.go_along(shape, outline, [middle, b], p, None, levels - 1);
     }
 
     /// Whether an element has children, or may be subdivided.
@@ -450,10 +488,7 @@ impl Elements {
             return *vertex;
         }
         let [a, b] = ends.map(|end| self.vertices[end as usize]);
-        let mut p = 0.5 * (a + b);
-        if let Some(shape) = self.shape(patch) {
-            p = on_shape(shape, p);
-        }
+        let p = self.shape(patch).map_or_else(|| 0.5 * (a + b), |shape| middle_on(shape, a, b));
         let vertex = self.vertex(p, ends);
         self.middles.insert(ends, vertex);
         vertex
@@ -482,6 +517,16 @@ impl Elements {
                 (HitPoint::new(p, HitPoint::rounding_error(p, n)), n)
             }
         }
+    }
+
+    /// The irradiance of a leaf, given the mean irradiance `gathered` of its opening by other elements. What the leaf reflects and does
+    /// not leave through the opening comes back to it.
+    pub fn kept(&self, leaf: u32, gathered: DVec3, sampled: DVec3) -> DVec3 {
+        let opening = self.nodes[leaf as usize].opening;
+        if opening == 1.0 {
+            return gathered + sampled;
+        }
+        (opening * gathered + sampled) / (1.0 - (1.0 - opening) * self.albedo(leaf))
     }
 
     /// The leaf at a point on one side of a face, and the barycentric weights of the leaf's second and third corner.
@@ -609,7 +654,11 @@ impl Elements {
             corners: [range.start, range.end, self.clusters],
             cone: cone.min(std::f64::consts::PI),
             area_ratio: 1.0,
+            opening: 1.0,
             is_hollow: false,
+            depth: 0.0,
+            is_outlined: false,
+            bends: None,
             is_discontinuous: false,
         };
         self.clusters += 1;
@@ -630,7 +679,11 @@ pub(super) fn empty() -> Node {
         corners: [0; 3],
         cone: 0.0,
         area_ratio: 1.0,
+        opening: 1.0,
         is_hollow: false,
+        depth: 0.0,
+        is_outlined: false,
+        bends: None,
         is_discontinuous: false,
     }
 }
@@ -650,29 +703,33 @@ fn inside([s, t]: [f64; 2]) -> [f64; 2] {
     if sum > 1.0 { [s / sum, t / sum] } else { [s, t] }
 }
 
-/// Most steps by which a point is moved onto a shape.
-const MOST_STEPS: usize = 8;
-
 /// The point of a shape near `p`, and the outer unit normal there. A step of [`Analytic::project`] brings points onto a quadric that are
 /// almost there; from the middle of a chord it goes beyond, where the shape itself would be in the way of all rays.
 fn settle(shape: &Analytic, p: DVec3) -> (DVec3, DVec3) {
-    let mut at = shape.project(p);
-    for _ in 1..MOST_STEPS {
-        let next = shape.project(at.0);
-        let moved = next.0.distance(at.0);
-        at = next;
-        if moved <= 4.0 * f64::EPSILON * at.0.abs().max_element() {
-            break;
-        }
+    match shape {
+        Analytic::Quadric(quadric) => quadric.settle(p, ClipFaces::default()),
+        _ => shape.project(p),
     }
-    at
 }
 
-/// The point of a shape that replaces the middle of a chord.
-fn on_shape(shape: &Analytic, p: DVec3) -> DVec3 {
-    let (p, _) = settle(shape, p);
-    // A disk is flat: the middle of a chord stays inside its edge.
-    p
+/// The point of a shape that replaces the middle of a chord. Between two points of an edge of the shape it is on the edge too: another
+/// shape begins there, which must leave no gap.
+fn middle_on(shape: &Analytic, a: DVec3, b: DVec3) -> DVec3 {
+    let middle = 0.5 * (a + b);
+    match shape {
+        Analytic::Sphere(sphere) => sphere.project(middle).0,
+        Analytic::Quadric(quadric) => quadric.settle(middle, quadric.faces_at(a).and(quadric.faces_at(b))).0,
+        Analytic::Disk(disk) if disk.is_on_edge(a) && disk.is_on_edge(b) => disk.middle_of_arc(a, b),
+        Analytic::Disk(_) => middle,
+    }
+}
+
+/// The bend of a side that stands for its arc: the two chords that meet there enclose as much with the side as an arc does, four thirds as
+/// high as its middle. Two chords to the middle itself would be seen inside of the arc, and the sides of neighbours that are divided
+/// otherwise would leave a gap.
+fn bend_of(shape: &Analytic, a: DVec3, b: DVec3) -> DVec3 {
+    let chord = 0.5 * (a + b);
+    chord + 4.0 / 3.0 * (middle_on(shape, a, b) - chord)
 }
 
 /// Area of the part of a shape that an inscribed triangle represents: the areas of flat triangles of two finer levels,
@@ -681,7 +738,7 @@ fn curved_area(shape: &Analytic, triangle: &[DVec3; 3]) -> f64 {
     let area = |t: &[DVec3; 3]| 0.5 * (t[1] - t[0]).cross(t[2] - t[0]).length();
     let divided = |t: &[DVec3; 3]| {
         let [a, b, c] = *t;
-        let [ab, bc, ca] = [0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)].map(|p| on_shape(shape, p));
+        let [ab, bc, ca] = [[a, b], [b, c], [c, a]].map(|[a, b]| middle_on(shape, a, b));
         [[a, ab, ca], [ab, b, bc], [ca, bc, c], [bc, ca, ab]]
     };
     let once = divided(triangle);

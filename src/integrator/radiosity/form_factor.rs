@@ -36,6 +36,9 @@ pub(super) struct Outline {
     exit: Option<DVec3>,
     /// Where it came up for the first time, if it began below.
     entry: Option<DVec3>,
+    /// Whether it may go around more than half of the horizon below it, and whether it was ever above, if so.
+    winds: bool,
+    is_above: bool,
 }
 
 impl Outline {
@@ -43,7 +46,27 @@ impl Outline {
     #[inline]
     pub fn begin(p: DVec3, n: DVec3, corner: DVec3) -> Self {
         let at = corner - p;
-        Self { p, n, at: (at, at.dot(n)), sum: 0.0, exit: None, entry: None }
+        Self { p, n, at: (at, at.dot(n)), sum: 0.0, exit: None, entry: None, winds: false, is_above: false }
+    }
+
+    /// The same for an outline that may go around more than half of the horizon below it, as that of a wall does which surrounds the
+    /// point. Its part below is followed along the horizon; the ends of that part alone do not tell which way it went.
+    #[inline]
+    pub fn begin_winding(p: DVec3, n: DVec3, corner: DVec3) -> Self {
+        Self { winds: true, ..Self::begin(p, n, corner) }
+    }
+
+    fn go_winding(&mut self, a: DVec3, b: DVec3, [height_a, height_b]: [f64; 2]) {
+        let n = self.n;
+        let crossing = || a + (height_a / (height_a - height_b)) * (b - a);
+        let level = |at: DVec3, height: f64| at - height * n;
+        self.is_above |= height_a > 0.0 || height_b > 0.0;
+        self.sum += match (height_a > 0.0, height_b > 0.0) {
+            (true, true) => edge(a, b, n),
+            (true, false) => edge(a, crossing(), n) + edge(crossing(), level(b, height_b), n),
+            (false, true) => edge(level(a, height_a), crossing(), n) + edge(crossing(), b, n),
+            (false, false) => edge(level(a, height_a), level(b, height_b), n),
+        };
     }
 
     /// Goes to the next corner along a straight edge.
@@ -52,6 +75,11 @@ impl Outline {
         let (n, (a, height_a)) = (self.n, self.at);
         let b = corner - self.p;
         let height_b = b.dot(n);
+        if self.winds {
+            self.go_winding(a, b, [height_a, height_b]);
+            self.at = (b, height_b);
+            return;
+        }
         let crossing = || a + (height_a / (height_a - height_b)) * (b - a);
         match (height_a > 0.0, height_b > 0.0) {
             (true, true) => self.sum += edge(a, b, n),
@@ -78,6 +106,9 @@ impl Outline {
     /// negative where its corners run clockwise, seen from the point.
     #[inline]
     pub fn end(self) -> f64 {
+        if self.winds && !self.is_above {
+            return 0.0;
+        }
         let along_horizon = match (self.exit, self.entry) {
             (Some(exit), Some(entry)) => edge(exit, entry, self.n),
             _ => 0.0,

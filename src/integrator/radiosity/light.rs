@@ -126,7 +126,7 @@ impl NodeRadiosity {
                 let own = self.intensity[node.corners[2] as usize];
                 self.intensity[cluster] += &own;
             } else if self.b[i] != DVec3::ZERO {
-                self.intensity[cluster].add_lobe(node.normal, FRAC_1_PI * node.area * self.b[i]);
+                self.intensity[cluster].add_lobe(node.normal, FRAC_1_PI * node.window() * self.b[i]);
             }
         }
     }

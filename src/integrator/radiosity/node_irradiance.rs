@@ -83,12 +83,12 @@ fn gathered_by_cluster(hierarchy: &LinkHierarchy, node: u32) -> DirectionalPolyn
 }
 
 /// Pushes irradiance down: visits the leaves below an element with the irradiance gathered at them and at all elements
-/// above, and what no link brings. `above` is what the elements above gathered.
+/// above. `above` is what the elements above gathered.
 fn push(hierarchy: &LinkHierarchy, node: u32, above: DVec3, visit: &mut impl FnMut(u32, DVec3)) {
     let irradiance = above + gathered(hierarchy, node);
     let element = &hierarchy.oracle.elements.nodes[node as usize];
     if element.is_leaf() {
-        visit(node, hierarchy.scale_of(node) * irradiance + hierarchy.sampled_over(node));
+        visit(node, irradiance);
     } else {
         for child in element.range() {
             push(hierarchy, child as u32, irradiance, visit);
@@ -96,7 +96,7 @@ fn push(hierarchy: &LinkHierarchy, node: u32, above: DVec3, visit: &mut impl FnM
     }
 }
 
-/// The same for a patch, with the irradiance that clusters above it received.
+/// The same for a patch, with the irradiance that clusters above it received, what no link brings, and what comes back to hollow leaves.
 pub(super) fn push_patch(
     hierarchy: &LinkHierarchy,
     patch: u32,
@@ -110,12 +110,14 @@ pub(super) fn push_patch(
         NONE => None,
         parent => Some(&received[elements.nodes[parent as usize].corners[2] as usize]),
     };
+    let visit = &mut |leaf, irradiance: DVec3| {
+        visit(leaf, elements.kept(leaf, hierarchy.scale_of(leaf) * irradiance, hierarchy.sampled_over(leaf)));
+    };
     // A flat element has one normal, so the clusters' irradiance is the same for all of its leaves.
     match from_clusters {
         Some(moments) if elements.shape(patch).is_some() => {
             push(hierarchy, root, DVec3::ZERO, &mut |leaf, irradiance| {
-                let above = moments.at(elements.nodes[leaf as usize].normal);
-                visit(leaf, irradiance + hierarchy.scale_of(leaf) * above);
+                visit(leaf, irradiance + moments.at(elements.nodes[leaf as usize].normal));
             })
         }
         Some(moments) => push(hierarchy, root, moments.at(node.normal), visit),

@@ -21,6 +21,7 @@ use super::links::{Link, LinkKind, POINT, PointLight, QuarterWeights, faces, int
 use crate::math::DVec3;
 use crate::sampling::solid_angle;
 use crate::scene::Scene;
+use crate::shape::Analytic;
 use crate::spectrum::Rgb;
 
 /// The oracle's decision on a pair.
@@ -93,6 +94,9 @@ const DISCONTINUOUS_ERROR: f64 = 0.25;
 
 /// Heights over a plane below this multiple of the distance are rounding.
 const PLANE_TOLERANCE: f64 = 1e-6;
+
+/// The shape reaches no farther behind a hollow element than this many times its depth in the middle.
+const REACH: f64 = 1.5;
 
 impl RefinementOracle {
     pub fn node(&self, number: u32) -> &Node {
@@ -182,7 +186,8 @@ impl RefinementOracle {
     fn decide_self(&self, number: u32) -> PairDecision {
         let node = self.node(number);
         // A flat element does not see itself; a curved element does on its concave side.
-        let is_flat = !node.is_cluster() && self.elements.shape(node.patch).is_none();
+        let is_flat = !node.is_cluster()
+            && self.elements.shape(node.patch).is_none_or(|shape| matches!(shape, Analytic::Disk(_)));
         if is_flat {
             return PairDecision::NoTransport;
         }
@@ -232,6 +237,12 @@ impl RefinementOracle {
         if r.patch == s.patch && self.elements.shape(r.patch).is_none() {
             return PairDecision::NoTransport;
         }
+        // The two sides of a curved wall do not see each other, although a small element of the one may be before a large flat one of the
+        // other.
+        let [one, other] = [r, s].map(|node| &self.elements.patches[node.patch as usize]);
+        if (r.is_hollow || s.is_hollow) && one.shape == other.shape && one.is_front != other.is_front {
+            return PairDecision::NoTransport;
+        }
         let (from, to) = (self.elements.triangle(r), self.elements.triangle(s));
         let way = s.centre - r.centre;
         let distance = way.length();
@@ -239,14 +250,32 @@ impl RefinementOracle {
         let height = |corners: &[DVec3; 3], over: &Node| {
             corners.iter().map(|p| (p - over.centre).dot(over.normal)).fold(f64::NEG_INFINITY, f64::max)
         };
-        if height(&to, r) <= margin || height(&from, s) <= margin {
+        // What is behind the flat element of a hollow one may still be before the shape.
+        let above = height(&to, r);
+        if above <= margin - REACH * r.depth || (!s.is_hollow && height(&from, s) <= margin) {
             return PairDecision::NoTransport;
+        }
+        // A hollow receiver does not see it, but the elements below the receiver do, which are evaluated by themselves.
+        let of_children = || {
+            PairDecision::Link(Link {
+                receiver,
+                source,
+                factor: 0.0,
+                visible: 1.0,
+                seen: 1.0,
+                error: 0.0,
+                quarter_weights: QuarterWeights::EVEN,
+                kind: LinkKind::Element,
+            })
+        };
+        if above <= margin {
+            return of_children();
         }
 
         let (factor, error, root_mean_square, quarter_weights) = if distance > FAR * (r.radius + s.radius) {
             let d = way / distance;
             let cosines = d.dot(r.normal).max(0.0) * (-d.dot(s.normal)).max(0.0);
-            let factor = cosines * s.area * FRAC_1_PI / (distance * distance);
+            let factor = cosines * s.window() * FRAC_1_PI / (distance * distance);
             (factor, factor / FAR, factor, QuarterWeights::EVEN)
         } else {
             let f = |p: DVec3| self.elements.factor_at(p, r.normal, s);
@@ -255,7 +284,10 @@ impl RefinementOracle {
                     // Integrated over the smaller of the two, the factor includes all visible parts of the larger one;
                     // the other order might miss some.
                     let back = |p: DVec3| self.elements.factor_at(p, s.normal, r) / r.area_ratio;
-                    let area = |node: &Node, flat| if node.is_hollow { node.area } else { triangle_area(flat) };
+                    // A hollow element is seen through its flat one, an element at the edge of a disk is seen to the edge.
+                    let area = |node: &Node, flat| {
+                        if node.is_outlined && !node.is_hollow { node.area } else { triangle_area(flat) }
+                    };
                     let areas = s.area_ratio * area(s, &to) / area(r, &from);
                     let factor = areas * mean(&back, &to, 1e-3, 2);
                     let quarters = quarters(&to).map(|[a, b, c]| back((a + b + c) / 3.0));
@@ -284,7 +316,7 @@ impl RefinementOracle {
             }
         };
         if factor <= 0.0 {
-            return PairDecision::NoTransport;
+            return if r.is_hollow { of_children() } else { PairDecision::NoTransport };
         }
         let root = r.area.sqrt();
         let strength = self.radiosity.b[source as usize].max_element();
@@ -387,7 +419,7 @@ impl RefinementOracle {
         let factor = if s.is_cluster() {
             cosine * inverse2
         } else {
-            cosine * inverse2 * FRAC_1_PI * s.area * (-d.dot(s.normal)).max(0.0)
+            cosine * inverse2 * FRAC_1_PI * s.window() * (-d.dot(s.normal)).max(0.0)
         };
         let lobes = |is_mixed: bool| if is_mixed { 0.15 } else { 0.0 };
         let mixed = lobes(kind == LinkKind::Mixed) + lobes(s.is_cluster() && !faces(s, -d));

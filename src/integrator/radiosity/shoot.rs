@@ -127,7 +127,9 @@ impl<'n> UnshotLight<'n> {
         if number >= elements.patches.len() {
             let light = number - elements.patches.len();
             if light == self.hierarchy.oracle.lights.len() {
-                leaves(elements).for_each(|leaf| self.reflect(leaf, self.hierarchy.sampled_over(leaf)));
+                leaves(elements).for_each(|leaf| {
+                    self.reflect(leaf, elements.kept(leaf, DVec3::ZERO, self.hierarchy.sampled_over(leaf)));
+                });
                 return;
             }
             let intensity = self.hierarchy.oracle.lights[light].intensity;
@@ -150,7 +152,7 @@ impl<'n> UnshotLight<'n> {
         let node = &elements.nodes[root as usize];
         let mut above = node.parent;
         let mut moments = DirectionalPolynomial::default();
-        moments.add_lobe(node.normal, FRAC_1_PI * node.area * b);
+        moments.add_lobe(node.normal, FRAC_1_PI * node.window() * b);
         while above != NONE {
             let cluster = &elements.nodes[above as usize];
             // The choice is that of the cluster's own intensity, so that all patches of a cluster together send what
@@ -231,7 +233,7 @@ impl<'n> UnshotLight<'n> {
             node.range().for_each(|child| self.receive(child as u32, irradiance));
             return;
         }
-        self.reflect(number, self.hierarchy.scale_of(number) * irradiance);
+        self.reflect(number, elements.kept(number, self.hierarchy.scale_of(number) * irradiance, DVec3::ZERO));
     }
 
     /// Adds the light that a leaf reflects of some irradiance to what it has to shoot.

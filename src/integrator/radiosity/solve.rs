@@ -122,8 +122,11 @@ pub(super) fn balance(shared: &SharedHierarchy, traces_visibility: bool, paralle
             // Each channel has its own scale, because direct light and reflected light need different ones.
             let about = traces_visibility.then(|| irradiance.max_element());
             let better = irradiance_of_leaf(&hierarchy, leaf, &received, about);
-            // What no link brings is that of the leaf itself.
-            let scale = hierarchy.scale_of(leaf) * better / (irradiance - hierarchy.sampled_over(leaf));
+            // What no link brings, and what comes back to a hollow leaf, is that of the leaf itself.
+            let elements = &hierarchy.oracle.elements;
+            let own = elements.kept(leaf, DVec3::ZERO, hierarchy.sampled_over(leaf));
+            let better = elements.kept(leaf, better, DVec3::ZERO);
+            let scale = hierarchy.scale_of(leaf) * better / (irradiance - own);
             let bounded =
                 |scale: f64| if scale.is_finite() { scale.clamp(SCALE_LIMITS[0], SCALE_LIMITS[1]) } else { 1.0 };
             (leaf, Rgb::from_f64(DVec3::from(scale.to_array().map(bounded))))

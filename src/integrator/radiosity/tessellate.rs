@@ -1,7 +1,9 @@
 //! Triangles inscribed in analytic shapes: the first elements of these shapes.
 
+use std::collections::{BTreeSet, HashMap};
+
 use crate::math::DVec3;
-use crate::shape::Analytic;
+use crate::shape::{Analytic, ClipFaces, Quadric};
 
 /// Triangles whose corners lie on the shape and that together represent all of it. Their winding has no meaning.
 pub(super) fn tessellate(shape: &Analytic) -> Vec<[DVec3; 3]> {
@@ -11,7 +13,7 @@ pub(super) fn tessellate(shape: &Analytic) -> Vec<[DVec3; 3]> {
             ball().into_iter().map(|t| t.map(place)).collect()
         }
         Analytic::Disk(disk) => disk.fan(DISK_SECTORS),
-        Analytic::Quadric(quadric) => quadric.triangles(QUADRIC_CELLS),
+        Analytic::Quadric(quadric) => tidy(quadric, quadric.triangles(QUADRIC_CELLS)),
     }
 }
 
@@ -19,7 +21,158 @@ pub(super) fn tessellate(shape: &Analytic) -> Vec<[DVec3; 3]> {
 const DISK_SECTORS: u32 = 32;
 
 /// Cells along each axis in which a quadric is searched for.
-const QUADRIC_CELLS: u32 = 8;
+const QUADRIC_CELLS: u32 = 4;
+
+/// Sides of triangles that are shorter than this are collapsed, in cells.
+const SHORT: f64 = 0.7;
+
+/// The cosine between a triangle's normal and that of the shape is at least this after a side was collapsed.
+const LEAST_COSINE: f64 = 0.7;
+
+/// Most rounds of collapsing and flipping sides.
+const MOST_ROUNDS: usize = 16;
+
+/// Triangles of a quadric without the slivers that lie where its grid is nearly met: short sides are collapsed, the shortest first.
+///
+/// The children of a sliver would lie over each other on the shape. All corners stay on the shape and on the edges of its clip box.
+fn tidy(quadric: &Quadric, triangles: Vec<[DVec3; 3]>) -> Vec<[DVec3; 3]> {
+    let mut numbers: HashMap<[u64; 3], usize> = HashMap::new();
+    let mut points = Vec::new();
+    let mut triangles: Vec<[usize; 3]> = triangles
+        .iter()
+        .map(|triangle| {
+            triangle.map(|p| {
+                *numbers.entry((p + DVec3::ZERO).to_array().map(f64::to_bits)).or_insert_with(|| {
+                    points.push(p);
+                    points.len() - 1
+                })
+            })
+        })
+        .filter(|&[a, b, c]| a != b && b != c && c != a)
+        .collect();
+    let faces: Vec<ClipFaces> = points.iter().map(|p| quadric.faces_at(*p)).collect();
+    let mut around: Vec<Vec<usize>> = vec![Vec::new(); points.len()];
+    for (number, triangle) in triangles.iter().enumerate() {
+        triangle.iter().for_each(|&corner| around[corner].push(number));
+    }
+    let cells: Vec<DVec3> = points.iter().map(|p| quadric.in_cells(*p, QUADRIC_CELLS)).collect();
+    let length = |a: usize, b: usize| cells[a].distance(cells[b]);
+    let normal = |[a, b, c]: [usize; 3]| (points[b] - points[a]).cross(points[c] - points[a]);
+    // Cosine between the normal of a triangle and that of the shape, whatever way its corners run.
+    let cosine = |triangle: [usize; 3]| {
+        let middle = triangle.iter().map(|&corner| points[corner]).sum::<DVec3>() / 3.0;
+        normal(triangle).normalize_or_zero().dot(quadric.settle(middle, ClipFaces::default()).1)
+    };
+    let mut rounds = 0;
+    loop {
+        let mut short: Vec<(f64, usize, usize)> = Vec::new();
+        for &[a, b, c] in triangles.iter().filter(|triangle| triangle[0] != triangle[1]) {
+            let sides = [[a, b], [b, c], [c, a]].map(|[a, b]| (length(a, b), a.min(b), a.max(b)));
+            short.extend(sides.into_iter().filter(|side| side.0 < SHORT));
+        }
+        short.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+        short.dedup();
+        let mut has_changed = false;
+        for (_, a, b) in short {
+            for (gone, kept) in [(b, a), (a, b)] {
+                let between: Vec<usize> =
+                    around[gone].iter().copied().filter(|&number| triangles[number].contains(&kept)).collect();
+                // On an edge of the clip box, points move along this edge only.
+                let is_along = faces[gone].and(faces[kept]) == faces[gone];
+                let is_edge = |gone: usize, other: usize| {
+                    around[gone].iter().filter(|&&number| triangles[number].contains(&other)).count() == 1
+                };
+                let neighbours = |of: usize| {
+                    let all: BTreeSet<usize> = around[of].iter().flat_map(|&number| triangles[number]).collect();
+                    all
+                };
+                let is_at_edge = neighbours(gone).into_iter().any(|other| other != gone && is_edge(gone, other));
+                if between.is_empty() || !is_along || (is_at_edge && between.len() != 1) {
+                    continue;
+                }
+                // Two points that have other neighbours in common would fold the surface.
+                if neighbours(gone).intersection(&neighbours(kept)).count() != between.len() + 2 {
+                    continue;
+                }
+                let moved = |number: usize| triangles[number].map(|corner| if corner == gone { kept } else { corner });
+                let is_good = around[gone].iter().filter(|number| !between.contains(number)).all(|&number| {
+                    let (before, after) = (cosine(triangles[number]), cosine(moved(number)));
+                    let is_sliver = before.abs() < LEAST_COSINE;
+                    after.abs() >= LEAST_COSINE && (is_sliver || before * after > 0.0)
+                });
+                if !is_good {
+                    continue;
+                }
+                for number in std::mem::take(&mut around[gone]) {
+                    if between.contains(&number) {
+                        let corners = std::mem::take(&mut triangles[number]);
+                        corners.iter().filter(|&&corner| corner != gone).for_each(|&corner| {
+                            around[corner].retain(|&other| other != number);
+                        });
+                    } else {
+                        triangles[number] = triangles[number].map(|corner| if corner == gone { kept } else { corner });
+                        around[kept].push(number);
+                    }
+                }
+                has_changed = true;
+                break;
+            }
+        }
+        has_changed |= flip(&mut triangles, &mut around, &cells, &cosine);
+        rounds += 1;
+        if !has_changed || rounds == MOST_ROUNDS {
+            break;
+        }
+    }
+    triangles.into_iter().filter(|&[a, b, _]| a != b).map(|triangle| triangle.map(|corner| points[corner])).collect()
+}
+
+/// Flips the sides of a mesh across which two triangles have a circle around one that holds the other, as Delaunay's do not: narrow
+/// triangles whose longest side is that of a neighbour go. `cells`: the points, in cells. Returns whether any was flipped.
+fn flip(
+    triangles: &mut [[usize; 3]],
+    around: &mut [Vec<usize>],
+    cells: &[DVec3],
+    cosine: &impl Fn([usize; 3]) -> f64,
+) -> bool {
+    let angle = |at: usize, a: usize, b: usize| (cells[a] - cells[at]).angle_between(cells[b] - cells[at]);
+    let mut has_changed = false;
+    for number in 0..triangles.len() {
+        for side in 0..3 {
+            let [a, b, c] = [0, 1, 2].map(|i| triangles[number][(side + i) % 3]);
+            if a == b {
+                break;
+            }
+            let other: Vec<usize> =
+                around[a].iter().copied().filter(|&other| other != number && triangles[other].contains(&b)).collect();
+            let [other] = other[..] else { continue };
+            let Some(&d) = triangles[other].iter().find(|&&corner| corner != a && corner != b) else { continue };
+            let is_side = around[c].iter().any(|&number| triangles[number].contains(&d));
+            if c == d || is_side || angle(c, a, b) + angle(d, a, b) <= std::f64::consts::PI + 1e-6 {
+                continue;
+            }
+            // The new triangles run as the old ones do.
+            let replace =
+                |triangle: [usize; 3], from, to| triangle.map(|corner| if corner == from { to } else { corner });
+            let new = [replace(triangles[number], b, d), replace(triangles[other], a, c)];
+            let before = [number, other].map(|number| cosine(triangles[number]));
+            let after = new.map(cosine);
+            let worst = |cosines: [f64; 2]| cosines[0].abs().min(cosines[1].abs());
+            let is_turned = |i: usize| before[i].abs() >= LEAST_COSINE && before[i] * after[i] < 0.0;
+            if worst(after) < LEAST_COSINE.min(worst(before)) || is_turned(0) || is_turned(1) {
+                continue;
+            }
+            (triangles[number], triangles[other]) = (new[0], new[1]);
+            around[b].retain(|&at| at != number);
+            around[a].retain(|&at| at != other);
+            around[d].push(number);
+            around[c].push(other);
+            has_changed = true;
+            break;
+        }
+    }
+    has_changed
+}
 
 /// An icosahedron on the unit sphere whose sides were halved once.
 fn ball() -> Vec<[DVec3; 3]> {

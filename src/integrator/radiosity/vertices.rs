@@ -278,7 +278,7 @@ fn from_part(oracle: &RefinementOracle, p: DVec3, n: DVec3, number: u32) -> (f64
     let corners = oracle.elements.triangle(source);
     let factor = if distance2 > (FAR * source.radius).powi(2) {
         let cosine = (-way.dot(source.normal)).max(0.0) / distance2.sqrt();
-        point_factor(way, n) * cosine * source.area * FRAC_1_PI
+        point_factor(way, n) * cosine * source.window() * FRAC_1_PI
     } else {
         oracle.elements.factor_at(p, n, source)
     };
