@@ -900,6 +900,31 @@ typedef uint32_t etd_error_measure;
 #endif // __cplusplus
 
 /**
+ * Which messages a log callback receives.
+ */
+enum etd_log_choice
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * All messages.
+     */
+    ETD_LOG_ALL = 0,
+    /**
+     * Warnings alone.
+     */
+    ETD_LOG_WARNINGS_ONLY = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum etd_log_choice etd_log_choice;
+#else
+typedef uint32_t etd_log_choice;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
  * A layer of a film. The values are bits, whose combination names the layers that a film keeps.
  */
 enum etd_layer
@@ -1785,9 +1810,9 @@ typedef struct etd_device_options {
      */
     uint32_t threads;
     /**
-     * Must be 0.
+     * An `etd_log_choice`: which messages `log` receives. All by default.
      */
-    uint32_t reserved;
+    etd_log_choice log_choice;
     /**
      * Memory limit in bytes for all hierarchies, placed geometry and films of this device; 0: no limit. Descriptions, which
      * include copies of the host's arrays, and memory of the host do not count.

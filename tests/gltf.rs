@@ -1192,6 +1192,14 @@ fn broken_files_are_refused_at_the_element() {
         let error = error.err().unwrap_or_else(|| panic!("read, expected: {expected}")).to_string();
         assert!(error.contains(&expected), "{error}\nnot {expected}");
     }
+    // A file that is cut short is named.
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("cut.bin"), [0; 7]).unwrap();
+    let mut file = File::triangle();
+    file.root["buffers"] = json!([{"uri": "cut.bin", "byteLength": 36}]);
+    let error =
+        desc::parse_gltf(file.text().as_bytes(), folder.path(), None, &LoadOptions::default()).unwrap_err().to_string();
+    assert!(error.contains("cut.bin has 7 bytes, the buffer's byteLength says 36"), "{error}");
     // Extensions that are only used are named.
     let mut file = File::triangle();
     file.root["extensionsUsed"] = json!(["KHR_materials_variants", "KHR_materials_ior"]);

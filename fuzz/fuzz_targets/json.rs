@@ -24,7 +24,7 @@ fn device() -> *mut etd_device {
             let options = etd_device_options {
                 struct_size: size_of::<etd_device_options>(),
                 threads: 1,
-                reserved: 0,
+                log_choice: 0,
                 memory_limit: 1 << 30,
                 log: None,
                 error: None,

@@ -32,6 +32,8 @@ unsafe impl Sync for UserData {}
 #[derive(Debug)]
 pub(super) struct Callbacks {
     pub log: etd_log_fn,
+    /// The least important messages that the host wants.
+    pub least: etd_log_level,
     pub error: etd_error_fn,
     pub user_data: UserData,
 }
@@ -69,7 +71,7 @@ pub(super) fn is_active(work: usize) -> bool {
 
 impl Callbacks {
     pub fn log(&self, level: etd_log_level, message: &str) {
-        if let Some(log) = self.log {
+        if let Some(log) = self.log.filter(|_| level as u32 <= self.least as u32) {
             let message = c_string(message);
             // SAFETY: the host provided the function for these calls; the string lives during the call.
             in_host_state(|| unsafe { log(self.user_data.0, level, message.as_ptr()) });
@@ -519,7 +521,7 @@ mod tests {
     fn a_panic_becomes_a_status_and_poisons_the_object_but_not_its_release() {
         let told = AtomicUsize::new(0);
         let user_data = UserData((&raw const told).cast_mut().cast());
-        let callbacks = Arc::new(Callbacks { log: None, error: Some(count), user_data });
+        let callbacks = Arc::new(Callbacks { log: None, least: crate::capi::ETD_LOG_INFO, error: Some(count), user_data });
         let pointer = Arc::into_raw(Arc::new(Thing { header: Header::new::<Thing>(&callbacks) }));
         // SAFETY: alive until released at the end.
         unsafe {

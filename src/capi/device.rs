@@ -9,8 +9,12 @@ use super::boundary::{
     take_status, write_sized,
 };
 use super::float_state::in_host_state;
+use super::read::enumeration;
 use super::status::{ETD_INVALID_ARGUMENT, Failure, etd_status};
-use super::types::{ETD_LOG_INFO, etd_device_info, etd_device_options, etd_work_fn};
+use super::types::{
+    ETD_LOG_ALL, ETD_LOG_INFO, ETD_LOG_WARNING, ETD_LOG_WARNINGS_ONLY, Enumeration as _, etd_device_info,
+    etd_device_options, etd_work_fn,
+};
 use crate::embree::{Device, DeviceOptions, MemoryBudget, instruction_set};
 use crate::render::{MAX_THREADS, Workers};
 
@@ -89,7 +93,7 @@ pub unsafe extern "C" fn etd_device_new(
         let defaults = etd_device_options {
             struct_size: size_of::<etd_device_options>(),
             threads: 0,
-            reserved: 0,
+            log_choice: ETD_LOG_ALL.number(),
             memory_limit: 0,
             log: None,
             error: None,
@@ -98,9 +102,10 @@ pub unsafe extern "C" fn etd_device_new(
         };
         // SAFETY: the caller keeps this function's contract.
         let options = if options.is_null() { defaults } else { unsafe { read_sized(options, "options") }? };
-        if options.reserved != 0 {
-            return Err(Failure::argument("options.reserved is not 0"));
-        }
+        let least = match enumeration("options.log_choice", options.log_choice)? {
+            ETD_LOG_ALL => ETD_LOG_INFO,
+            ETD_LOG_WARNINGS_ONLY => ETD_LOG_WARNING,
+        };
         let threads = options.threads as usize;
         if threads > MAX_THREADS {
             let message = format!("options.threads is {threads}, expected at most {MAX_THREADS}");
@@ -118,7 +123,7 @@ pub unsafe extern "C" fn etd_device_new(
             (None, 1) => (Workers::calling_thread(), 1, Submit::Thread),
             (None, threads) => (Workers::pool(threads)?, if threads == 0 { cores } else { threads }, Submit::Thread),
         };
-        let callbacks = Arc::new(Callbacks { log: options.log, error: options.error, user_data });
+        let callbacks = Arc::new(Callbacks { log: options.log, least, error: options.error, user_data });
         let limit = usize::try_from(options.memory_limit).unwrap_or(usize::MAX);
         let device = etd_device {
             header: Header::new::<etd_device>(&callbacks),

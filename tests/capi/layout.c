@@ -47,6 +47,9 @@ static void enumerations(void) {
     ENUM(etd_log_level);
     VALUE(ETD_LOG_WARNING);
     VALUE(ETD_LOG_INFO);
+    ENUM(etd_log_choice);
+    VALUE(ETD_LOG_ALL);
+    VALUE(ETD_LOG_WARNINGS_ONLY);
     ENUM(etd_phase);
     VALUE(ETD_PHASE_BUILD);
     VALUE(ETD_PHASE_RENDER);
@@ -294,7 +297,7 @@ static void structures(void) {
     STRUCT(etd_device_options);
     FIELD(etd_device_options, struct_size);
     FIELD(etd_device_options, threads);
-    FIELD(etd_device_options, reserved);
+    FIELD(etd_device_options, log_choice);
     FIELD(etd_device_options, memory_limit);
     FIELD(etd_device_options, log);
     FIELD(etd_device_options, error);

@@ -514,6 +514,35 @@ static void listeners(void) {
     pthread_mutex_destroy(&it.lock);
 }
 
+/* A host that wants warnings alone hears nothing else. */
+static void only_warnings(void) {
+    struct listener it;
+    etd_device_options options = ETD_DEVICE_OPTIONS_INIT;
+    etd_render_options render = ETD_RENDER_OPTIONS_INIT;
+    etd_scene *scene;
+    etd_film *film;
+    CHECK(options.log_choice == ETD_LOG_ALL);
+    memset(&it, 0, sizeof it);
+    pthread_mutex_init(&it.lock, NULL);
+    options.threads = 1;
+    options.log_choice = ETD_LOG_WARNINGS_ONLY;
+    options.log = listen_log;
+    options.user_data = &it;
+    CHECK_OK(etd_device_new(&options, &it.device));
+    scene = new_scene(it.device);
+    film = new_film(it.device, 4, 4, 0);
+    CHECK_OK(etd_scene_commit(scene, NULL, NULL));
+    CHECK(it.logs == 0);
+    render.samples = 1;
+    render.max_depth = 1; /* the image is too dark */
+    CHECK_OK(etd_render(scene, film, &render));
+    CHECK(it.logs > 0);
+    etd_film_release(film);
+    etd_scene_release(scene);
+    etd_device_release(it.device);
+    pthread_mutex_destroy(&it.lock);
+}
+
 /* ------------------------------------------------------------------------------------------------------------------ */
 /* Executors of the host */
 
@@ -1082,6 +1111,7 @@ void misuse_life(int quick) {
     every_order();
     shared_arrays();
     listeners();
+    only_warnings();
     if (!quick) {
         /* A checker is too slow for times. */
         paces();

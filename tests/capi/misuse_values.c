@@ -1286,8 +1286,9 @@ static void pass_indices(void) {
         device_options.threads = 1025;
         CHECK_STATUS(etd_device_new(&device_options, &no_device), ETD_INVALID_ARGUMENT);
         device_options.threads = 1;
-        device_options.reserved = 1;
+        device_options.log_choice = 2;
         CHECK_STATUS(etd_device_new(&device_options, &no_device), ETD_INVALID_ARGUMENT);
+        CHECK(strstr(etd_last_error_message(), "options.log_choice is 2, expected 0 to 1") != NULL);
         CHECK_STATUS(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT); /* never ends */
         options.samples = 1;
         options.shadow_rays = 1025;

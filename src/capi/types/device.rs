@@ -2,8 +2,9 @@
 
 use std::ffi::{c_char, c_void};
 
+use super::numbers::EtdLogChoice;
 use crate::capi::status::etd_status;
-pub use etd_log_level::*;
+pub use {etd_log_choice::*, etd_log_level::*};
 
 /// The importance of a message.
 #[repr(u32)]
@@ -13,6 +14,16 @@ pub enum etd_log_level {
     ETD_LOG_WARNING = 0,
     /// Information about decisions and their durations.
     ETD_LOG_INFO = 1,
+}
+
+/// Which messages a log callback receives.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum etd_log_choice {
+    /// All messages.
+    ETD_LOG_ALL = 0,
+    /// Warnings alone.
+    ETD_LOG_WARNINGS_ONLY = 1,
 }
 
 /// A log callback, which receives warnings and information. `message` is UTF-8 and valid during the call.
@@ -51,8 +62,8 @@ pub struct etd_device_options {
     /// threads, and all work runs on the calling thread; only a started task gets a thread. With `submit`: the number of
     /// threads of the host, including the calling thread.
     pub threads: u32,
-    /// Must be 0.
-    pub reserved: u32,
+    /// An `etd_log_choice`: which messages `log` receives. All by default.
+    pub log_choice: EtdLogChoice,
     /// Memory limit in bytes for all hierarchies, placed geometry and films of this device; 0: no limit. Descriptions, which
     /// include copies of the host's arrays, and memory of the host do not count.
     pub memory_limit: u64,
@@ -85,6 +96,10 @@ pub struct etd_device_info {
     pub instruction_set: *const c_char,
     /// The memory limit of the device in bytes; 0: none.
     pub memory_limit: u64,
+}
+
+enumerations! {
+    etd_log_choice: ETD_LOG_ALL, ETD_LOG_WARNINGS_ONLY;
 }
 
 versioned! {

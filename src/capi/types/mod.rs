@@ -113,6 +113,8 @@ mod numbers {
     /// The enumeration of this name, as a number.
     pub type EtdErrorMeasure = u32;
     /// The enumeration of this name, as a number.
+    pub type EtdLogChoice = u32;
+    /// The enumeration of this name, as a number.
     pub type EtdLayer = u32;
     /// The enumeration of this name, as a number.
     pub type EtdFormat = u32;

@@ -98,12 +98,23 @@ impl<'a> Buffers<'a> {
             return Ok(bytes);
         }
         let at_uri = format!("{at}.uri");
-        let mut bytes = match self.uri(&at_uri, uri)? {
-            Uri::Data(bytes) => bytes,
-            Uri::File(file) => self.file(&at_uri, &file, buffer.byte_length)?,
+        let (mut bytes, file) = match self.uri(&at_uri, uri)? {
+            Uri::Data(bytes) => (bytes, None),
+            Uri::File(file) => (self.file(&at_uri, &file, buffer.byte_length)?, Some(file)),
         };
         let length = usize::try_from(buffer.byte_length).ok().filter(|length| *length <= bytes.len());
-        bytes.truncate(length.ok_or_else(|| short(bytes.len()))?);
+        bytes.truncate(length.ok_or_else(|| match file {
+            Some(file) => Error::invalid(
+                &at,
+                format!(
+                    "{} has {} bytes, the buffer's byteLength says {}",
+                    file.display(),
+                    bytes.len(),
+                    buffer.byte_length
+                ),
+            ),
+            None => short(bytes.len()),
+        })?);
         Ok(self.loaded[number].get_or_init(|| bytes))
     }
 

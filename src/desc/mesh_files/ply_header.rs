@@ -1,5 +1,6 @@
 //! The header of a PLY file: which elements follow, and which properties each of them has.
 
+use std::collections::HashSet;
 use std::io::BufRead;
 
 use super::shortened;
@@ -111,7 +112,7 @@ pub(super) struct Header {
 impl Header {
     /// Reads a header up to and with `end_header`. The outer error is one of reading the file; the inner one has the line.
     pub fn read(reader: &mut impl BufRead) -> std::io::Result<Result<Self, (usize, String)>> {
-        let mut parser = Parser { encoding: None, elements: Vec::new(), unknown: None };
+        let mut parser = Parser::default();
         let (mut bytes, mut text) = (0, Vec::new());
         let mut line = 0;
         loop {
@@ -134,7 +135,7 @@ impl Header {
                 Ok(true) => {}
                 Err(message) => return Ok(Err((line, message))),
                 Ok(false) => {
-                    let Parser { encoding: Some(encoding), elements, unknown } = parser else {
+                    let Parser { encoding: Some(encoding), elements, unknown, .. } = parser else {
                         return Ok(Err((line, "the header has no line 'format'".to_owned())));
                     };
                     return Ok(Ok(Self { encoding, elements, unknown, lines: line, bytes: bytes as u64 }));
@@ -144,9 +145,13 @@ impl Header {
     }
 }
 
+#[derive(Default)]
 struct Parser {
     encoding: Option<Encoding>,
     elements: Vec<Element>,
+    /// Names of the elements, and of the properties of the last one: a header of a megabyte may have many.
+    element_names: HashSet<String>,
+    property_names: HashSet<String>,
     unknown: Option<usize>,
 }
 
@@ -184,9 +189,10 @@ impl Parser {
                 let count = count
                     .parse()
                     .map_err(|_| format!("'{}' is not a number of elements '{}'", shortened(count), shortened(name)))?;
-                if self.elements.iter().any(|element| element.name == name) {
+                if !self.element_names.insert(name.to_owned()) {
                     return Err(format!("the element '{}' is given twice", shortened(name)));
                 }
+                self.property_names.clear();
                 self.elements.push(Element { name: name.to_owned(), count, properties: Vec::new() });
             }
             ["property", kind, name] => self.property(None, kind, name)?,
@@ -218,7 +224,7 @@ impl Parser {
         let Some(element) = self.elements.last_mut() else {
             return Err(format!("the property '{}' comes before any element", shortened(name)));
         };
-        if element.properties.iter().any(|property| property.name == name) {
+        if !self.property_names.insert(name.to_owned()) {
             return Err(format!("the element '{}' has the property '{}' twice", element.name, shortened(name)));
         }
         element.properties.push(Property { name: name.to_owned(), count, kind });
