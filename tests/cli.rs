@@ -491,6 +491,32 @@ fn light_samples_of_first_hits_are_those_that_are_asked_for() {
 }
 
 #[test]
+fn a_bias_is_allowed_to_auto_alone_and_the_chosen_integrator_is_told() {
+    let folder = folder();
+    let mut described: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(scene("cornell.json")).unwrap()).unwrap();
+    described["render"]["integrator"] = serde_json::json!({"type": "auto", "bias": "allowed"});
+    fs::write(folder.path().join("allowed.json"), described.to_string()).unwrap();
+    let render = |scene: &str, more: &[&str]| etendue(folder.path(), small_render(scene, more));
+    let told = |more: &[&str]| {
+        render("allowed.json", &[more, &["-q", "-o", "x.pfm", "--stats", "stats.json"]].concat()).assert_done();
+        let text = fs::read_to_string(folder.path().join("stats.json")).unwrap();
+        let stats: serde_json::Value = serde_json::from_str(&text).unwrap();
+        [&stats["settings"]["integrator"], &stats["settings"]["bias"], &stats["integrator"]]
+            .map(|it| it.as_str().unwrap().to_owned())
+    };
+    assert_eq!(told(&[]), ["auto", "allowed", "path"]);
+    assert_eq!(told(&["--bias", "refused"]), ["auto", "refused", "path"]);
+    // Another integrator takes the place of the scene's together with its settings.
+    assert_eq!(told(&["--integrator", "whitted"]), ["whitted", "refused", "whitted"]);
+    let run = render("allowed.json", &["--integrator", "sppm", "--bias", "allowed", "-o", "y.pfm"]);
+    run.assert_refused("render.integrator.bias is allowed, and sppm chooses no other integrator");
+    let bake = etendue(folder.path(), ["bake", "allowed.json", "-o", "light", "--spp", "1", "--resolution", "64"]);
+    bake.assert_refused("render.integrator.bias is allowed, and a light map has no pilot");
+    assert!(!folder.path().join("y.pfm").exists());
+}
+
+#[test]
 fn spectral_layers_are_channels_of_an_exr() {
     let folder = folder();
     let scene = scene("cornell.json");

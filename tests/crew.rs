@@ -5,12 +5,13 @@ mod common;
 
 use std::collections::VecDeque;
 use std::ops::ControlFlow;
+use std::path::Path;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Duration;
 
 use common::scenes::{box_inside, camera, point_light, scene};
 use etendue::desc::{
-    BsdfDesc, FilterDesc, IntegratorDesc, PhotonDesc, RadiosityDesc, RenderDesc, SceneDesc, ShapeDesc,
+    self, BsdfDesc, FilterDesc, IntegratorDesc, PhotonDesc, RadiosityDesc, RenderDesc, SceneDesc, ShapeDesc,
 };
 use etendue::film::{ErrorMeasure, Image};
 use etendue::math::DVec3;
@@ -200,8 +201,8 @@ fn alone(scene: &Scene, settings: &RenderSettings) -> (Vec<u32>, Summary) {
     (bits(&render.image()), summary)
 }
 
-/// Checks that a render has the same bits with two helpers, and that these did a part of it.
-fn check(scene: &Scene, settings: &RenderSettings) {
+/// Checks that a render has the same bits with two helpers, and that these did a part of it. Returns the integrator that took the samples.
+fn check(scene: &Scene, settings: &RenderSettings) -> IntegratorDesc {
     let (expected, before) = alone(scene, settings);
     let helpers = [1, 2].map(|threads| (RenderSettings { threads, ..settings.clone() }, Health::Well));
     let render = Render::new(scene, settings.clone()).unwrap();
@@ -211,14 +212,15 @@ fn check(scene: &Scene, settings: &RenderSettings) {
     assert!(bits(&render.image()) == expected, "{what:?} has other bits");
     assert_eq!(summary.rel_mse, before.rel_mse, "{what:?}");
     assert_eq!(
-        (summary.samples, summary.ended, summary.reuse, summary.light_paths),
-        (before.samples, before.ended, before.reuse, before.light_paths)
+        (summary.samples, summary.ended, summary.integrator, summary.reuse, summary.light_paths),
+        (before.samples, before.ended, before.integrator, before.reuse, before.light_paths)
     );
     // What a radiosity solution took is all that differs.
     let is_timed = |note: &String| note.starts_with("radiosity");
     let [after, before] =
         [&summary, &before].map(|it| it.notes.iter().filter(|note| !is_timed(note)).collect::<Vec<_>>());
     assert_eq!(after, before);
+    summary.integrator
 }
 
 #[test]
@@ -250,6 +252,22 @@ fn adaptive_renders_and_shared_hits_have_the_same_bits_with_helpers() {
     let first = RenderDesc { first_shadow_rays: Some(3), reuse: Some(true), ..path.desc.clone() };
     check(&glass, &RenderSettings { desc: first, ..path.clone() });
     check(&glass, &RenderSettings { desc: RenderDesc { spectral: true, ..path.desc.clone() }, ..path });
+}
+
+/// What a pilot says of the irradiance cache is told to helpers, which fill one of their own.
+#[test]
+fn a_cache_that_a_pilot_chose_has_the_same_bits_with_helpers() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell.json");
+    let scene = Scene::build(&desc::load(&file, None).unwrap(), &BuildOptions::default()).unwrap();
+    let desc = RenderDesc {
+        integrator: IntegratorDesc::Auto,
+        allow_bias: true,
+        resolution: [256, 256],
+        samples: 64,
+        ..RenderDesc::default()
+    };
+    let settings = RenderSettings { desc, threads: 1, ..RenderSettings::default() };
+    assert_eq!(check(&scene, &settings), IntegratorDesc::IrradianceCache);
 }
 
 #[test]

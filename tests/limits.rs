@@ -518,7 +518,7 @@ fn a_pilot_says_whether_the_irradiance_cache_is_taken() {
     let hurried = RenderSettings { time_limit: Some(Duration::from_secs(5)), ..settings(&auto) };
     let mut more = Render::resume(&box_of_walls, hurried, render.checkpoint().unwrap()).unwrap();
     let notes = more.run(&mut |_| ControlFlow::Break(())).unwrap().notes.join("\n");
-    assert!(notes.contains("auto chose irradiance_cache: the part of the render before chose so"), "{notes}");
+    assert!(notes.contains("auto chose irradiance_cache: the part of the render before chose so, and"), "{notes}");
     let refused = Render::resume(
         &box_of_walls,
         settings(&RenderDesc { allow_bias: false, ..auto.clone() }),
@@ -528,14 +528,18 @@ fn a_pilot_says_whether_the_irradiance_cache_is_taken() {
     // Of 1000 samples the bias would be most of the error.
     let long = RenderDesc { resolution: [64, 64], samples: 1000, ..auto.clone() };
     let (render, notes) = begun(&box_of_walls, settings(&long));
-    let is_worse = notes.contains("times the error of paths of the irradiance cache");
+    let is_worse = notes.contains("times the error that paths have after so many samples");
     assert!(notes.contains("auto chose path: ") && is_worse, "{notes}");
     let unbiased = begun(&box_of_walls, settings(&RenderDesc { allow_bias: false, ..long.clone() }));
     assert!(bits(&render) == bits(&unbiased.0));
-    assert!(unbiased.1.contains("the irradiance cache was not tried: auto allows no bias"), "{}", unbiased.1);
+    assert!(
+        unbiased.1.contains("no pilot compared the irradiance cache with paths: auto allows no bias"),
+        "{}",
+        unbiased.1
+    );
     let error = RenderSettings { target_error: Some(1e-3), adaptive: Some(false), ..settings(&auto) };
     let (_, notes) = begun(&box_of_walls, error);
-    assert!(notes.contains("no pilot compared the irradiance cache, although a bias is allowed"), "{notes}");
+    assert!(notes.contains("no pilot compared the irradiance cache with paths: an error ends the render"), "{notes}");
     let (_, notes) = begun(&scene("soft-shadows.json"), settings(&long));
     assert!(notes.contains("the irradiance cache would gain too little"), "{notes}");
 }

@@ -51,10 +51,10 @@ impl Maps {
         })
     }
 
-    /// The plan of an irradiance cache that paths may be compared with; `None` where it needs photon maps.
-    pub fn cache_alone(scene: &Scene, camera: &Camera, desc: &Arc<RenderDesc>) -> Result<Option<Plan>> {
-        let plan = Plan::new(scene, camera, desc, IntegratorDesc::IrradianceCache)?;
-        Ok(plan.is_cache_alone()?.then_some(plan))
+    /// The plan of an irradiance cache that paths may be compared with; `None` where it needs photon maps, or cannot be made.
+    pub fn cache_alone(scene: &Scene, camera: &Camera, desc: &Arc<RenderDesc>) -> Option<Plan> {
+        let plan = Plan::new(scene, camera, desc, IntegratorDesc::IrradianceCache).ok()?;
+        plan.is_cache_alone().ok()?.then_some(plan)
     }
 
     /// [`Plan::state`].

@@ -61,7 +61,7 @@ use pass::{Light, Pass, PassInput};
 use pilot::{CacheToTry, Found, pilot};
 use schedule::Schedule;
 use share::Tiles;
-use ways::{Decision, Undecided, Wanted, has_cache, may_take_cache};
+use ways::{Decision, Undecided, Wanted, why_no_cache};
 use worker_pool::WorkerPool;
 
 pub use checkpoint::{Checkpoint, CheckpointPlan};
@@ -106,6 +106,8 @@ pub struct Render {
     plan: Option<Maps>,
     /// The plan of an irradiance cache that a pilot may choose in place of paths, until that is settled.
     cache: Option<Plan>,
+    /// Whether a pilot compares the irradiance cache with paths, and why not.
+    comparison: std::result::Result<(), &'static str>,
     /// The radiosity solution, once it is made, where the integrator is radiosity.
     radiosity: Option<Arc<Radiosity>>,
     /// The integrator of the current pass.
@@ -191,12 +193,12 @@ impl Render {
             Decision::Yes | Decision::ByPilot => LightPaths::new(&scene, &camera, desc.resolution),
         };
         let shared = Arc::new(desc.clone());
-        // Also where no pilot is made: a checkpoint may have been begun with one.
-        let cache = match may_take_cache(&scene, desc, integrator) {
-            true => Maps::cache_alone(&scene, &camera, &shared)?,
-            false => None,
+        let cache = wanted.cache.is_ok().then(|| Maps::cache_alone(&scene, &camera, &shared)).flatten();
+        let comparison = match wanted.cache {
+            Ok(()) if cache.is_none() => Err("the cache needs photon maps for caustics"),
+            comparison => comparison,
         };
-        let wanted = Wanted { cache: wanted.cache && cache.is_some(), ..wanted };
+        let wanted = Wanted { cache: comparison, ..wanted };
         let undecided = Undecided::new(&wanted, reuse, light_paths.as_ref());
         let light_paths = light_paths.filter(|_| wanted.light_paths == Decision::Yes);
         let plan = match integrator.info().preparation {
@@ -241,6 +243,7 @@ impl Render {
             choice,
             plan,
             cache,
+            comparison,
             radiosity: None,
             method,
             undecided,
@@ -624,22 +627,14 @@ impl Render {
         }
     }
 
-    /// What a choice of paths leaves out that the user may not know.
+    /// Why a choice of paths has left out the irradiance cache, where the user may want to know.
     fn note_on_bias(&self) -> Option<String> {
         let is_open = self.desc.integrator == IntegratorDesc::Auto && self.integrator() == IntegratorDesc::Path;
-        let found = self.found.as_ref();
-        match self.desc.allow_bias {
-            _ if !is_open => None,
-            true if found.is_none_or(|found| found.cached.is_none()) => Some(
-                "no pilot compared the irradiance cache, although a bias is allowed: the render is short, adaptive, ends at an \
-                 error or was resumed, or the cache needs photon maps or does not take the scene"
-                    .to_owned(),
-            ),
-            false if found.is_some() && has_cache(&self.scene, &self.desc) => {
-                Some("the irradiance cache was not tried: auto allows no bias unless it is asked to".to_owned())
-            }
-            _ => None,
-        }
+        let why = self.comparison.err().filter(|_| is_open)?;
+        // Where a bias is not allowed, nothing is said unless allowing it would change something.
+        let is_of_use = self.desc.allow_bias
+            || self.found.is_some() && why_no_cache(&self.scene, &self.settings, self.integrator()).is_none();
+        is_of_use.then(|| format!("no pilot compared the irradiance cache with paths: {why}"))
     }
 
     fn summary(&self, elapsed: Duration, ended: Ended) -> Summary {

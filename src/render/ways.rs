@@ -16,7 +16,7 @@ use super::report::{Ended, Progress};
 use super::schedule::Schedule;
 use super::settings::RenderSettings;
 use super::worker_pool::WorkerPool;
-use crate::desc::{IntegratorDesc, MAX_SHADOW_RAYS, RenderDesc};
+use crate::desc::{IntegratorDesc, MAX_SHADOW_RAYS};
 use crate::error::{ErrorKind, Result};
 use crate::integrator::Path;
 use crate::integrator::light_tracing::{LightPaths, LightPictures};
@@ -54,8 +54,8 @@ pub(super) struct Wanted {
     pub light_paths: Decision,
     /// Number of light samples at the hits that the camera sees; `None` where a pilot is to say.
     pub first_shadow_rays: Option<u32>,
-    /// Whether a pilot may choose the irradiance cache.
-    pub cache: bool,
+    /// Whether a pilot may choose the irradiance cache, and why not.
+    pub cache: std::result::Result<(), &'static str>,
     /// Number of squares of a pilot in a row and in a column.
     pub across: u32,
 }
@@ -137,8 +137,12 @@ impl Wanted {
                 None => check_bias(desc.integrator)?,
             }
         }
-        // An error to end at is of all errors, and estimates do not know the bias.
-        let cache = squares.is_some() && settings.target_error.is_none() && may_take_cache(scene, desc, integrator);
+        let cache = match why_no_cache(scene, settings, integrator) {
+            _ if !desc.allow_bias => Err("auto allows no bias unless it is asked to"),
+            _ if squares.is_none() => Err("the render is short, or has other numbers of samples for each pixel"),
+            Some(why) => Err(why),
+            None => Ok(()),
+        };
         Ok(Self { reuse, light_paths, first_shadow_rays, cache, across: squares.unwrap_or(ACROSS[0]) })
     }
 
@@ -148,16 +152,33 @@ impl Wanted {
     }
 }
 
-/// Whether the irradiance cache may take the place of paths, as far as settings and scene say.
-pub(super) fn may_take_cache(scene: &Scene, desc: &RenderDesc, integrator: IntegratorDesc) -> bool {
-    desc.allow_bias && integrator == IntegratorDesc::Path && has_cache(scene, desc)
-}
-
-/// Whether the irradiance cache takes the scene.
-pub(super) fn has_cache(scene: &Scene, desc: &RenderDesc) -> bool {
-    let is_lit = !scene.emitters().is_dark() && scene.lobes().have_diffuse();
-    let is_taken = !desc.spectral && !scene.has_moving_world();
-    is_lit && is_taken && check_support(scene, IntegratorDesc::IrradianceCache).is_ok()
+/// Why a pilot does not compare the irradiance cache with paths, where settings or scene say so; it is not asked whether they allow a bias.
+pub(super) fn why_no_cache(
+    scene: &Scene,
+    settings: &RenderSettings,
+    integrator: IntegratorDesc,
+) -> Option<&'static str> {
+    let is_asked = settings.desc.integrator == IntegratorDesc::Auto && integrator == IntegratorDesc::Path;
+    if !is_asked {
+        return Some("the integrator is another one");
+    }
+    if settings.target_error.is_some() {
+        return Some("an error ends the render, and estimates do not know the bias");
+    }
+    if settings.time_limit.is_some() && settings.share.is_some() {
+        return Some("time ends the render of a share, and the others might choose otherwise");
+    }
+    if settings.desc.spectral {
+        return Some("the cache holds no wavelengths");
+    }
+    if scene.has_moving_world() {
+        return Some("the cache shows no motion");
+    }
+    if scene.emitters().is_dark() || !scene.lobes().have_diffuse() {
+        return Some("there is no light on diffuse surfaces");
+    }
+    let is_refused = check_support(scene, IntegratorDesc::IrradianceCache).is_err();
+    is_refused.then_some("the cache does not take the scene")
 }
 
 /// Number of squares of the pilot in a row and in a column, for a render that is so long that the pilot is a small part of it. `None` for
@@ -197,7 +218,7 @@ impl Undecided {
         let sharing = (wanted.reuse == Decision::ByPilot).then(sharing);
         let light = light.filter(|_| wanted.light_paths == Decision::ByPilot).cloned();
         let first_shadow_rays = wanted.first_shadow_rays.is_none();
-        Self { sharing, light, first_shadow_rays, cache: wanted.cache, across: wanted.across }.unless_empty()
+        Self { sharing, light, first_shadow_rays, cache: wanted.cache.is_ok(), across: wanted.across }.unless_empty()
     }
 
     /// What is still open once some of it is known; `None` where nothing is.
@@ -247,7 +268,14 @@ impl Render {
         }
         self.first_shadow_rays = ways.first_shadow_rays.unwrap_or(self.first_shadow_rays);
         if let Some(is_taken) = ways.cache {
-            self.settle_cache(is_taken.then_some("the part of the render before chose so"));
+            if is_taken && self.cache.is_none() && self.desc.allow_bias && own.cache == Some(false) {
+                // A checkpoint may have been begun where a pilot was made, and go on where none is.
+                self.cache = Maps::cache_alone(&self.scene, &self.camera, &self.desc);
+            }
+            self.settle_cache(
+                is_taken
+                    .then_some("the part of the render before chose so, and more samples take nothing from its bias"),
+            );
         }
         self.undecided = self.undecided.take().and_then(|open| open.without(ways));
     }

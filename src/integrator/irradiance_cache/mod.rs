@@ -64,8 +64,8 @@ use crate::scene::Scene;
 pub struct FillReport {
     /// Rays traced.
     pub rays: u64,
-    /// Root mean square of the relative error of indirect light at the places that the camera sees; 0 where it is not known.
-    pub rms_error: f64,
+    /// Root mean square of the relative error of indirect light at places that the camera sees; `None` where it is not known.
+    pub rms_error: Option<f64>,
     /// Notes for the user.
     pub notes: Vec<String>,
 }
@@ -151,7 +151,7 @@ pub(crate) fn fill_within(
     let cache = Arc::new(cache);
     let accuracy = probe::measure_accuracy(&cache, &filler, parallel)?;
     report.rays += accuracy.rays;
-    report.rms_error = accuracy.rms;
+    report.rms_error = accuracy.rms_error();
     report.notes.push(format!(
         "irradiance cache: {} records, {:.3e} rays, {:.1} MiB; {accuracy}",
         cache.len(),

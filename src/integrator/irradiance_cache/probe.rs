@@ -41,7 +41,7 @@ pub(super) struct CacheAccuracy {
     bias: f64,
     bias_error: f64,
     /// Root mean square of the relative error, with the noise of the probes themselves subtracted.
-    pub rms: f64,
+    rms: f64,
     pub rays: u64,
 }
 
@@ -114,6 +114,13 @@ impl CacheAccuracy {
             rms: (probes.iter().map(square).sum::<f64>() / count).max(0.0).sqrt(),
             ..accuracy
         }
+    }
+}
+
+impl CacheAccuracy {
+    /// Root mean square of the relative error; `None` where no places tell.
+    pub fn rms_error(&self) -> Option<f64> {
+        (self.answered >= 2 && self.bias_error > 0.0).then_some(self.rms)
     }
 }
 

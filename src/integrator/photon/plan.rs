@@ -129,22 +129,26 @@ impl Plan {
     }
 
     /// The integrator that reads the irradiance cache, and the root mean square of the relative error of indirect light that the cache has
-    /// found in itself. `None` where filling the cache takes more than so many rays.
+    /// found in itself, where it knows. `None` where filling the cache takes more than so many rays.
     ///
     /// # Errors
     /// As [`Plan::gather`].
-    pub fn cache_within(&mut self, most_rays: u64, parallel: &mut impl Parallel) -> Result<Option<(Gather, f64)>> {
-        let mut rms_error = None;
+    pub fn cache_within(
+        &mut self,
+        most_rays: u64,
+        parallel: &mut impl Parallel,
+    ) -> Result<Option<(Gather, Option<f64>)>> {
+        let mut filled = None;
         // An earlier call may have been cancelled.
         (self.made, self.notes) = (None, Vec::new());
         let gather = self.gather_with(0, parallel, |plan, gather, notes, parallel| {
-            rms_error = plan.fill_cache(gather, most_rays, notes, parallel)?;
+            filled = plan.fill_cache(gather, most_rays, notes, parallel)?;
             Ok(())
         })?;
-        if rms_error.is_none() {
+        if filled.is_none() {
             self.made = None;
         }
-        Ok(rms_error.map(|rms_error| (gather, rms_error)))
+        Ok(filled.map(|rms_error| (gather, rms_error)))
     }
 
     /// Fills the irradiance cache, in which the integrator's paths end; the global map is used only for filling. Returns the error that the
@@ -155,7 +159,7 @@ impl Plan {
         most_rays: u64,
         notes: &mut Vec<String>,
         parallel: &mut impl Parallel,
-    ) -> Result<Option<f64>> {
+    ) -> Result<Option<Option<f64>>> {
         // Gather rays begin after one bounce, so the global map may end them at the first diffuse hit.
         let ends = if gather.diffuse.is_some() { PathEnd::AfterGather } else { PathEnd::Never };
         let source = Gather { ends, ..gather.clone() };

@@ -19,7 +19,8 @@ impl Render {
     /// Scene and settings must be those of the checkpoint. These may differ: the number of samples with the samplers `Sobol` and
     /// `Random`, the time limit, the target error, threads, and the plan of further checkpoints. `adaptive`, `reuse`, `light_paths`,
     /// `first_shadow_rays`, `share` and the layers of first hits are those of the checkpoint where the settings leave them open. With more samples than the render was
-    /// begun with, an adaptive render chooses among pixels at other numbers of samples than one that was begun with as many.
+    /// begun with, an adaptive render chooses among pixels at other numbers of samples than one that was begun with as many, and what
+    /// [`IntegratorDesc::Auto`] chose for fewer samples stays.
     ///
     /// [`Summary::rays`](crate::render::Summary::rays) counts those of this render alone, as its time does.
     ///
@@ -42,15 +43,14 @@ impl Render {
         if header.first_shadow_rays.is_some_and(|count| count != own) {
             check_first_shadow_rays(render.integrator())?;
         }
-        let is_cached = header.cache == Some(true);
-        if is_cached && render.cache.is_none() && render.integrator() != IntegratorDesc::IrradianceCache {
-            return Err(damaged("its render took an irradiance cache that these settings do not ask for"));
-        }
         // A render that has begun without a number or a choice of its own goes on as it began.
         let has_begun = header.samples > 0;
         let first_shadow_rays = header.first_shadow_rays.or(has_begun.then_some(own));
         let cache = header.cache.or(has_begun.then_some(false));
         render.set_ways(Ways { first_shadow_rays, cache, ..header.ways() });
+        if cache == Some(true) && render.integrator() != IntegratorDesc::IrradianceCache {
+            return Err(damaged("its render took an irradiance cache that these settings do not ask for"));
+        }
         // Another render may still fill the film of a checkpoint that was not read from a file.
         render.film = Arc::new(Arc::try_unwrap(film).or_else(|film| Film::copy_of(&film))?);
         render.stage = stage;

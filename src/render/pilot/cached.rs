@@ -36,6 +36,15 @@ const TIME_OF_A_RAY: f64 = 1.9;
 /// The gain from which on the cache is taken.
 const LEAST_GAIN: f64 = 1.5;
 
+/// Greatest error of the cache, in that of paths, with which it is taken. Points that are spread evenly make paths better than 16 samples tell.
+const MOST_ERROR: f64 = 0.7;
+
+/// Variance of the mean of a square below which a square counts as free of noise.
+const QUIET: f64 = 1e-8;
+
+/// Variance of the mean of a square, in the median of those with noise, from which on it counts less.
+const NOISY: f64 = 4.0;
+
 /// What a pilot found of the cache.
 #[derive(Clone, Debug)]
 pub(in super::super) enum Cached {
@@ -58,7 +67,7 @@ pub(in super::super) struct Comparison {
 impl Cached {
     /// Whether the cache is to be taken: it saves time, and the picture is no worse than the one that was asked for.
     pub fn is_taken(&self) -> bool {
-        matches!(self, Self::Compared(Comparison { gain, error, .. }) if *gain >= LEAST_GAIN && *error <= 1.0)
+        matches!(self, Self::Compared(Comparison { gain, error, .. }) if *gain >= LEAST_GAIN && *error <= MOST_ERROR)
     }
 
     /// Why, or why not, in a sentence without a full stop.
@@ -66,19 +75,23 @@ impl Cached {
         let Self::Compared(Comparison { gain, error, bias }) = self else {
             return "the irradiance cache would gain too little for the time that filling it takes".to_owned();
         };
-        let percent = 100.0 * bias;
+        if !(gain.is_finite() && error.is_finite() && bias.is_finite()) {
+            return "paths have no noise that the irradiance cache could be compared with".to_owned();
+        }
+        let bias = 100.0 * bias;
         if self.is_taken() {
             format!(
-                "a pilot expected the same error in {gain:.1} times less time than by paths, with its bias of {percent:.2} %"
+                "a pilot expected the same error in {gain:.1} times less time than by paths, its bias of {bias:.2} % counted"
             )
-        } else if *error > 1.0 {
+        } else if *error > MOST_ERROR {
             format!(
-                "a pilot expected {error:.1} times the error of paths of the irradiance cache, with its bias of {percent:.2} %"
+                "a pilot expected the irradiance cache to have {error:.1} times the error that paths have after so many samples, by a \
+                 bias of {bias:.2} %"
             )
         } else {
             format!(
-                "a pilot expected the irradiance cache to take {:.1} times as long, with its bias of {percent:.2} %",
-                1.0 / gain.max(f64::MIN_POSITIVE)
+                "a pilot expected too little of the irradiance cache: the same error in {gain:.1} times less time, with a bias of \
+                 {bias:.2} %"
             )
         }
     }
@@ -89,7 +102,7 @@ impl Cached {
 pub(in super::super) struct Asked {
     /// Number of samples of each pixel.
     pub samples: f64,
-    /// Number of pixels of the picture.
+    /// Number of pixels that filling is for: those of the picture, or where time ends the render, those that are rendered.
     pub pixels: f64,
 }
 
@@ -150,21 +163,21 @@ fn indirect_share(all: &[[f64; 2]], direct: &[[f64; 2]]) -> f64 {
     if all > 0.0 { (1.0 - sum(direct) / all).clamp(0.0, 1.0) } else { 0.0 }
 }
 
-/// The squared bias that differences of squares show, and one standard error more. Squares that paths find noisy count less.
+/// The squared bias that differences of squares show, and one standard error more. Squares that paths find very noisy count less.
 fn squared_bias(differences: &[Difference]) -> f64 {
-    let mut known: Vec<Difference> = differences.to_vec();
-    known.retain(|it| it.mean.is_finite() && it.variance.is_finite());
-    known.sort_unstable_by(|a, b| a.variance.total_cmp(&b.variance));
-    let Some(middle) = known.get(known.len() / 2).map(|it| it.variance) else { return f64::INFINITY };
+    let known = differences.iter().filter(|it| it.mean.is_finite() && it.variance.is_finite());
+    let mut noise: Vec<f64> = known.clone().map(|it| it.variance).filter(|variance| *variance > QUIET).collect();
+    noise.sort_unstable_by(f64::total_cmp);
+    let middle = noise.get(noise.len() / 2).copied().unwrap_or(QUIET);
     let (mut sum, mut weights, mut variances) = (0.0, 0.0, 0.0);
     for Difference { mean, variance } in known {
-        let weight = 1.0 / (variance + middle).powi(2).max(f64::MIN_POSITIVE);
+        let weight = (NOISY * middle / variance).powi(2).min(1.0);
         sum += weight * (mean * mean - variance);
         weights += weight;
         // The square of a normal variable has twice the square of its variance.
         variances += 2.0 * (weight * variance).powi(2);
     }
-    (sum.max(0.0) + variances.sqrt()) / weights
+    if weights > 0.0 { (f64::max(sum, 0.0) + f64::sqrt(variances)) / weights } else { f64::INFINITY }
 }
 
 /// Squares of the picture, to be rendered in other ways than those of paths.
@@ -262,7 +275,8 @@ pub(super) fn try_cache(
     let made = plan.cache_within(most as u64, parallel)?;
     let fill = plan.rays - before;
     rays += fill;
-    let Some((gather, rms_error)) = made else { return Ok((Cached::GivenUp, rays)) };
+    // What the cache does not know of itself, squares alone would have to tell.
+    let Some((gather, Some(rms_error))) = made else { return Ok((Cached::GivenUp, rays)) };
     let cached = squares.render([(Method::Gather(Box::new(gather)), SEED)], parallel)?;
     rays += cached.iter().flatten().map(|way| way.rays).sum::<u64>();
     let both = || cached.iter().map(|[cache]| &cache.luminances).zip(&rendered);
@@ -326,7 +340,7 @@ mod tests {
         };
         // A mean of a square is known to 0.05 / 2, of which the square is 6e-4, and 100 of them to a seventh of that.
         let without = squared_bias(&squares(0.0));
-        assert!(without < 3e-4, "{without}");
+        assert!(without < 4e-4, "{without}");
         let with = squared_bias(&squares(0.1));
         assert!((0.0024..0.0031).contains(&with), "{with}");
         // Squares of which few samples are very bright are left out, and where nothing is known, nothing is promised.
@@ -335,6 +349,14 @@ mod tests {
         some[5] = Difference { mean: f64::NAN, variance: 1.0 };
         assert!((0.0022..0.0033).contains(&squared_bias(&some)), "{}", squared_bias(&some));
         assert_eq!(squared_bias(&[]), f64::INFINITY);
+        // Squares without light or noise are a part of the picture, and no proof for the rest of it.
+        let black = Difference { mean: 0.0, variance: 0.0 };
+        for quiet in [black, Difference { mean: 1e-7, variance: 1e-14 }] {
+            let mut most = vec![quiet; 60];
+            most.extend([Difference { mean: 0.1, variance: 1e-4 }; 40]);
+            assert!((squared_bias(&most) - 0.4 * (0.01 - 1e-4)).abs() < 2e-5, "{}", squared_bias(&most));
+        }
+        assert_eq!(squared_bias(&[black; 36]), 0.0);
     }
 
     #[test]

@@ -9,7 +9,7 @@ use crate::film::ErrorEstimate;
 const TIME_OF_A_SHARED_RAY: f64 = 0.45;
 
 /// The same for a ray of a light path, with the choice of where it begins.
-const TIME_OF_A_LIGHT_RAY: f64 = 1.6;
+pub(super) const TIME_OF_A_LIGHT_RAY: f64 = 1.6;
 
 /// Mean time of a ray where pixels share hits, of which many are shadow rays to common ends, where paths by themselves are not known.
 pub(super) const TIME_OF_A_RAY_AMONG_SHARED: f64 = 0.65;
@@ -56,8 +56,9 @@ pub(in super::super) struct Found {
     pub best: Best,
     /// What was found of the irradiance cache, where it was asked.
     pub cached: Option<Cached>,
-    /// Number of rays of the pilot.
+    /// Number of rays of the pilot, and their time, in that of a ray of paths by themselves.
     pub rays: u64,
+    pub time: f64,
 }
 
 /// What the best way of paths costs.
@@ -253,6 +254,7 @@ impl WayCost {
 /// each sample of all pixels, and their number of rays for the samples of the squares. `ray`: see [`Model::of`].
 pub(super) fn compare(squares: &[Square], ways: usize, light: Option<(u32, f64)>, ray: f64) -> Found {
     let rays = squares.iter().flat_map(|square| &square.costs).map(|cost| cost.rays).sum();
+    let rays_of_more = squares.iter().flat_map(|square| square.costs.get(ways)).map(|cost| cost.rays).sum::<u64>();
     let model = Model::of(squares, ways, light, ray);
     // Black squares, and those without noise, gain nothing.
     let gain = |before: f64, after: f64| if before > 0.0 { before / after.max(f64::MIN_POSITIVE) } else { 0.0 };
@@ -278,6 +280,7 @@ pub(super) fn compare(squares: &[Square], ways: usize, light: Option<(u32, f64)>
         best: best(Some(without), plain[without]),
         cached: None,
         rays,
+        time: ray * few * model.times.iter().sum::<f64>() + TIME_OF_A_RAY_AMONG_SHARED * rays_of_more as f64,
     };
     let Some((count, _)) = light else { return without };
     // For each way the least cost, and of how many light paths it is.

@@ -25,7 +25,8 @@ use std::time::{Duration, Instant};
 
 use cached::{Asked, try_cache};
 use gain::{
-    Caustics, Cost, NO_ERROR, SAMPLES_TRIED, Square, TIME_OF_A_RAY_AMONG_SHARED, TIMES_AS_MANY, compare, mean_error,
+    Caustics, Cost, NO_ERROR, SAMPLES_TRIED, Square, TIME_OF_A_LIGHT_RAY, TIME_OF_A_RAY_AMONG_SHARED, TIMES_AS_MANY,
+    compare, mean_error,
 };
 pub(super) use gain::{Found, MOST_TIMES};
 
@@ -130,13 +131,18 @@ pub(super) fn pilot(
     let ray = if matches!(input.method, Method::Reuse(_)) { TIME_OF_A_RAY_AMONG_SHARED } else { 1.0 };
     let mut found = compare(&squares, kinds, light, ray);
     found.rays += light_rays.0;
+    found.time += TIME_OF_A_LIGHT_RAY * light_rays.0 as f64;
     if let Some(CacheToTry { plan, time_left }) = cache {
-        let ray_time = start.elapsed().as_secs_f64() / found.rays.max(1) as f64;
-        let rendered = input.film.options().resolution.map(f64::from).iter().product::<f64>();
-        let in_time = time_left.map_or(f64::INFINITY, |left| {
-            (left.saturating_sub(start.elapsed())).as_secs_f64() / (ray_time * found.best.rays * rendered)
-        });
-        let asked = Asked { samples: asked.min(in_time).max(1.0), pixels };
+        let asked = match time_left {
+            None => Asked { samples: asked, pixels },
+            Some(left) => {
+                let rendered = input.film.options().resolution.map(f64::from).iter().product::<f64>();
+                let ray = start.elapsed().as_secs_f64() / found.time.max(1.0);
+                let left = left.saturating_sub(start.elapsed()).as_secs_f64();
+                let in_time = left / (ray * found.best.rays * rendered);
+                Asked { samples: asked.min(in_time).max(1.0), pixels: rendered }
+            }
+        };
         let (cached, rays) = try_cache(&input, plan, (across, &squares, found.best), asked, parallel)?;
         found.rays += rays;
         found.cached = Some(cached);
