@@ -43,7 +43,7 @@
 
 /** Defaults of the structures, to be changed field by field. */
 #define ETD_ERROR_INIT {sizeof(etd_error), ETD_OK, 0, NULL, NULL, NULL}
-#define ETD_DEVICE_OPTIONS_INIT {sizeof(etd_device_options), 0, 0, 0, NULL, NULL, NULL, NULL}
+#define ETD_DEVICE_OPTIONS_INIT {sizeof(etd_device_options), 0, ETD_LOG_ALL, 0, NULL, NULL, NULL, NULL}
 #define ETD_SCENE_OPTIONS_INIT {sizeof(etd_scene_options), ETD_USAGE_STATIC, 0, NULL, NULL, NULL, NULL}
 #define ETD_CAMERA_INIT \
     {sizeof(etd_camera), ETD_CAMERA_PERSPECTIVE, ETD_FOV_HORIZONTAL, {0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 90, 0, 0, \
@@ -86,9 +86,9 @@
      ETD_SWITCH_DEFAULT, ETD_SWITCH_DEFAULT, 0, 0, 0, ETD_CACHE_SOURCE_PATHS, ETD_SWITCH_DEFAULT, ETD_ERROR_RELMSE, ETD_SWITCH_DEFAULT, \
      0, 0, 0, 0, ETD_RADIOSITY_SOLVER_GATHER, ETD_SWITCH_DEFAULT, ETD_SWITCH_DEFAULT, 0, \
      ETD_ROULETTE_OWN, 0, 0, 0, 0, {0, 0}, {0, 0}, ETD_SWITCH_DEFAULT, ETD_SWITCH_DEFAULT, 0, 0, NULL, 0, NULL, \
-     0, 0}
+     0, ETD_SWITCH_DEFAULT}
 #define ETD_PROGRESS_INIT {sizeof(etd_progress), 0, 0, 0, 0, 0, ETD_PHASE_BUILD, 0}
-#define ETD_SUMMARY_INIT {sizeof(etd_summary), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, ETD_ENDED_SAMPLES, 0}
+#define ETD_SUMMARY_INIT {sizeof(etd_summary), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, ETD_ENDED_SAMPLES, ETD_INTEGRATOR_PATH}
 #define ETD_FILM_OPTIONS_INIT {sizeof(etd_film_options), 0, 0, 0, 0}
 #define ETD_MAP_INIT {sizeof(etd_map), NULL, 0, 0, 0, 0, 0}
 #define ETD_IMAGE_OPTIONS_INIT {sizeof(etd_image_options), ETD_FORMAT_FLOAT, ETD_TONE_MAP_CLAMP, 0, 0, NULL, ETD_PRIMARIES_REC709, 0}

@@ -521,7 +521,8 @@ mod tests {
     fn a_panic_becomes_a_status_and_poisons_the_object_but_not_its_release() {
         let told = AtomicUsize::new(0);
         let user_data = UserData((&raw const told).cast_mut().cast());
-        let callbacks = Arc::new(Callbacks { log: None, least: crate::capi::ETD_LOG_INFO, error: Some(count), user_data });
+        let callbacks =
+            Arc::new(Callbacks { log: None, least: crate::capi::ETD_LOG_INFO, error: Some(count), user_data });
         let pointer = Arc::into_raw(Arc::new(Thing { header: Header::new::<Thing>(&callbacks) }));
         // SAFETY: alive until released at the end.
         unsafe {

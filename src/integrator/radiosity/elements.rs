@@ -375,7 +375,7 @@ impl Elements {
             _ => return form_factor::point_to_front(p, n, &corners, node.normal) * node.area_ratio,
         };
         let [a, b, c] = corners;
-        let mut outline = Outline::begin_winding(p, n, a);
+        let mut outline = Outline::<true>::begin(p, n, a);
         let sides = [[a, b], [b, c], [c, a]];
         for (side, ends) in sides.into_iter().enumerate() {
             self.go_along(shape, &mut outline, ends, p, node.bends.as_ref().map(|bends| bends[side]), MAX_DEPTH);
@@ -401,7 +401,7 @@ impl Elements {
     fn go_along(
         &self,
         shape: &Analytic,
-        outline: &mut Outline,
+        outline: &mut Outline<true>,
         [a, b]: [DVec3; 2],
         p: DVec3,
         bend: Option<DVec3>,

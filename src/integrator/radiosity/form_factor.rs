@@ -20,40 +20,35 @@ use crate::math::DVec3;
 /// one of the limits there.
 pub fn point_to_polygon(p: DVec3, n: DVec3, corners: &[DVec3]) -> f64 {
     let Some(&last) = corners.last() else { return 0.0 };
-    let mut outline = Outline::begin(p, n, last);
+    let mut outline = Outline::<false>::begin(p, n, last);
     corners.iter().for_each(|&corner| outline.go_to(corner));
     outline.end().abs().min(1.0)
 }
 
 /// Lambert's sum over the edges of an outline, which needs not be flat, for its part above the horizon of a point.
-pub(super) struct Outline {
+///
+/// An outline that `WINDS` may go around more than half of the horizon below it, as that of a wall does which surrounds the point. Its part below
+/// is followed along the horizon; the ends of that part alone do not tell which way it went.
+pub(super) struct Outline<const WINDS: bool> {
     p: DVec3,
     n: DVec3,
     /// Vector from the point to the corner that was reached, and its height.
     at: (DVec3, f64),
     sum: f64,
-    /// Where the outline went below the horizon and has not come back.
+    /// Where the outline went below the horizon and has not come back, unless it winds.
     exit: Option<DVec3>,
-    /// Where it came up for the first time, if it began below.
+    /// Where it came up for the first time, if it began below, unless it winds.
     entry: Option<DVec3>,
-    /// Whether it may go around more than half of the horizon below it, and whether it was ever above, if so.
-    winds: bool,
+    /// Whether it was ever above, if it winds.
     is_above: bool,
 }
 
-impl Outline {
+impl<const WINDS: bool> Outline<WINDS> {
     /// Begins at a corner, for a point `p` with unit normal `n`.
     #[inline]
     pub fn begin(p: DVec3, n: DVec3, corner: DVec3) -> Self {
         let at = corner - p;
-        Self { p, n, at: (at, at.dot(n)), sum: 0.0, exit: None, entry: None, winds: false, is_above: false }
-    }
-
-    /// The same for an outline that may go around more than half of the horizon below it, as that of a wall does which surrounds the
-    /// point. Its part below is followed along the horizon; the ends of that part alone do not tell which way it went.
-    #[inline]
-    pub fn begin_winding(p: DVec3, n: DVec3, corner: DVec3) -> Self {
-        Self { winds: true, ..Self::begin(p, n, corner) }
+        Self { p, n, at: (at, at.dot(n)), sum: 0.0, exit: None, entry: None, is_above: false }
     }
 
     fn go_winding(&mut self, a: DVec3, b: DVec3, [height_a, height_b]: [f64; 2]) {
@@ -75,7 +70,7 @@ impl Outline {
         let (n, (a, height_a)) = (self.n, self.at);
         let b = corner - self.p;
         let height_b = b.dot(n);
-        if self.winds {
+        if WINDS {
             self.go_winding(a, b, [height_a, height_b]);
             self.at = (b, height_b);
             return;
@@ -106,7 +101,7 @@ impl Outline {
     /// negative where its corners run clockwise, seen from the point.
     #[inline]
     pub fn end(self) -> f64 {
-        if self.winds && !self.is_above {
+        if WINDS && !self.is_above {
             return 0.0;
         }
         let along_horizon = match (self.exit, self.entry) {

@@ -42,9 +42,6 @@ const MOST_ERROR: f64 = 0.7;
 /// Variance of the mean of a square below which a square counts as free of noise.
 const QUIET: f64 = 1e-8;
 
-/// Variance of the mean of a square, in the median of those with noise, from which on it counts less.
-const NOISY: f64 = 4.0;
-
 /// What a pilot found of the cache.
 #[derive(Clone, Debug)]
 pub(in super::super) enum Cached {
@@ -171,7 +168,8 @@ fn squared_bias(differences: &[Difference]) -> f64 {
     let middle = noise.get(noise.len() / 2).copied().unwrap_or(QUIET);
     let (mut sum, mut weights, mut variances) = (0.0, 0.0, 0.0);
     for Difference { mean, variance } in known {
-        let weight = (NOISY * middle / variance).powi(2).min(1.0);
+        // Those with the middle's noise and less count alike.
+        let weight = (2.0 * middle / (variance + middle)).powi(2).min(1.0);
         sum += weight * (mean * mean - variance);
         weights += weight;
         // The square of a normal variable has twice the square of its variance.
