@@ -268,14 +268,14 @@ impl Render {
         }
         self.first_shadow_rays = ways.first_shadow_rays.unwrap_or(self.first_shadow_rays);
         if let Some(is_taken) = ways.cache {
-            if is_taken && self.cache.is_none() && self.desc.allow_bias && own.cache == Some(false) {
-                // A checkpoint may have been begun where a pilot was made, and go on where none is.
+            // A checkpoint may have been begun where a pilot was made, and go on where none is.
+            let settings = RenderSettings { target_error: None, time_limit: None, ..self.settings.clone() };
+            let is_possible = || why_no_cache(&self.scene, &settings, self.integrator()).is_none();
+            if is_taken && self.cache.is_none() && self.desc.allow_bias && is_possible() {
                 self.cache = Maps::cache_alone(&self.scene, &self.camera, &self.desc);
             }
-            self.settle_cache(
-                is_taken
-                    .then_some("the part of the render before chose so, and more samples take nothing from its bias"),
-            );
+            let why = "the part of the render before chose so, and more samples take nothing from its bias";
+            self.settle_cache(is_taken.then_some(why));
         }
         self.undecided = self.undecided.take().and_then(|open| open.without(ways));
     }

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::super::aim::Aims;
-use super::super::irradiance_cache::fill_within;
+use super::super::irradiance_cache::{FillReport, fill_within};
 use super::super::{check_still, check_support};
 use super::choose::aimed_paths_find_caustics;
 use super::coverage::DiskCoverage;
@@ -148,27 +148,27 @@ impl Plan {
         if filled.is_none() {
             self.made = None;
         }
-        Ok(filled.map(|rms_error| (gather, rms_error)))
+        Ok(filled.map(|report| (gather, report.rms_error)))
     }
 
-    /// Fills the irradiance cache, in which the integrator's paths end; the global map is used only for filling. Returns the error that the
-    /// cache has found in itself; `None`, and no cache, where filling takes more than so many rays.
+    /// Fills the irradiance cache, in which the integrator's paths end; the global map is used only for filling. Returns `None`, and makes no
+    /// cache, where filling takes more than so many rays.
     fn fill_cache(
         &mut self,
         gather: &mut Gather,
         most_rays: u64,
         notes: &mut Vec<String>,
         parallel: &mut impl Parallel,
-    ) -> Result<Option<Option<f64>>> {
+    ) -> Result<Option<FillReport>> {
         // Gather rays begin after one bounce, so the global map may end them at the first diffuse hit.
         let ends = if gather.diffuse.is_some() { PathEnd::AfterGather } else { PathEnd::Never };
         let source = Gather { ends, ..gather.clone() };
         let (cache, report) = fill_within(&self.scene, &self.camera, &self.desc, &source, most_rays, parallel)?;
         self.rays += report.rays;
-        notes.extend(report.notes);
         let Some(cache) = cache else { return Ok(None) };
+        notes.extend(report.notes.iter().cloned());
         *gather = gather.ending_at(Arc::new(cache));
-        Ok(Some(report.rms_error))
+        Ok(Some(report))
     }
 }
 

@@ -6,11 +6,12 @@
 //!
 //! Squares of the picture show beforehand what a cache without bias would come to: its noise is that of light that paths see of lamps
 //! themselves and by way of mirrors and glass. Where that would gain too little, no cache is filled, and filling is given up after the time with
-//! which it would. The same squares by the cache, and by paths
-//! of other random numbers, give v and b². The mean of each square
-//! is compared, because the bias is smooth and the noise of a mean is less than that of a pixel: of the square of the difference, the
-//! variances of both means are taken off. Where that is less than what the cache's own probes have found of indirect light, times the share
-//! that this has of the squares' light, the latter counts.
+//! which it would.
+//!
+//! The same squares by the cache, and by paths of other random numbers, then give v and b². The mean of each square is compared, because the
+//! bias is smooth and the noise of a mean is less than that of a pixel: of the square of the difference, the variances of both means are taken
+//! off. Where that is less than what the cache's own probes have found of indirect light, times the share that this has of the squares' light,
+//! the latter counts.
 
 use std::sync::Arc;
 
@@ -142,7 +143,8 @@ struct Difference {
 impl Difference {
     /// From the mean luminances of pixels and the variances of these, by the cache and by paths.
     fn of(cache: &[[f64; 2]], paths: &[[f64; 2]]) -> Self {
-        let means: Vec<f64> = cache.iter().map(|[mean, _]| *mean).collect();
+        // Where one of them is black, the other counts all the same.
+        let means: Vec<f64> = cache.iter().zip(paths).map(|(cache, paths)| 0.5 * (cache[0] + paths[0])).collect();
         let count = means.len().max(1) as f64;
         let (mut mean, mut variance) = (0.0, 0.0);
         for ((squared, cache), paths) in squared(&means).iter().zip(cache).zip(paths) {
@@ -355,6 +357,9 @@ mod tests {
             assert!((squared_bias(&most) - 0.4 * (0.01 - 1e-4)).abs() < 2e-5, "{}", squared_bias(&most));
         }
         assert_eq!(squared_bias(&[black; 36]), 0.0);
+        // A cache that misses all light of its squares.
+        let missed = Difference::of(&[[0.0, 0.0]; 64], &[[2.0, 0.16]; 64]);
+        assert!((squared_bias(&[missed; 36]) - 4.0).abs() < 0.1, "{missed:?}");
     }
 
     #[test]
