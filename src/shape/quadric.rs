@@ -114,6 +114,12 @@ impl Quadric {
                 gradient = self.gradient(own);
             }
         }
+        self.in_scene(own, gradient)
+    }
+
+    /// A point of the surface and the outward unit normal there, from the point and the gradient in the own frame.
+    #[inline]
+    fn in_scene(&self, own: DVec3, gradient: DVec3) -> (DVec3, DVec3) {
         // Normals go by the inverse transpose of the frame's matrix.
         let normal = (self.to_own.matrix3.transpose() * gradient).try_normalize();
         (self.to_scene.transform_point3(own), normal.unwrap_or_else(|| self.to_scene.matrix3.x_axis.normalize()))
@@ -150,8 +156,7 @@ impl Quadric {
                 break;
             }
         }
-        let normal = (self.to_own.matrix3.transpose() * self.gradient(own)).try_normalize();
-        (self.to_scene.transform_point3(own), normal.unwrap_or_else(|| self.to_scene.matrix3.x_axis.normalize()))
+        self.in_scene(own, self.gradient(own))
     }
 
     /// The faces of the clip box on which a point of the surface lies.

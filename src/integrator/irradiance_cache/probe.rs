@@ -115,9 +115,7 @@ impl CacheAccuracy {
             ..accuracy
         }
     }
-}
 
-impl CacheAccuracy {
     /// Root mean square of the relative error; `None` where no places tell.
     pub fn rms_error(&self) -> Option<f64> {
         (self.answered >= 2 && self.bias_error > 0.0).then_some(self.rms)

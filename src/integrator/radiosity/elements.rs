@@ -53,9 +53,7 @@ pub(super) struct Node {
     pub is_hollow: bool,
     /// How far the shape reaches behind a hollow element; 0 for others.
     pub depth: f64,
-    /// Whether it is seen by an outline that follows its shape: as hollow elements are, and those at the edge of a disk.
-    pub is_outlined: bool,
-    /// The bends of its sides where it is seen by its outline.
+    /// The bends of its sides where it is seen by an outline that follows its shape: as hollow elements are, and those at the edge of a disk.
     pub bends: Option<Box<[DVec3; 3]>>,
     /// Whether another surface touches the element, or its vertices interpolate the irradiance inside badly.
     pub is_discontinuous: bool,
@@ -322,7 +320,7 @@ impl Elements {
         let flat = 0.5 * (b - a).cross(c - a).length();
         let radius = [a, b, c].iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
         let (mut whole, mut area_ratio, mut opening) = (area.unwrap_or(flat), 1.0, 1.0);
-        let (mut is_hollow, mut depth, mut is_outlined, mut bends) = (false, 0.0, false, None);
+        let (mut is_hollow, mut depth, mut bends) = (false, 0.0, None);
         if let Some(shape) = self.shape(patch) {
             whole = curved_area(shape, &[a, b, c]);
             // Convex sides are seen from far away, where their area counts. Hollow sides surround their receivers, which see their
@@ -338,7 +336,7 @@ impl Elements {
                 opening = (flat / whole).min(1.0);
                 depth = -bulge;
             }
-            is_outlined = is_hollow
+            let is_outlined = is_hollow
                 || matches!(shape, Analytic::Disk(disk) if [a, b, c].iter().filter(|p| disk.is_on_edge(**p)).count() == 2);
             bends = is_outlined.then(|| Box::new([[a, b], [b, c], [c, a]].map(|[a, b]| bend_of(shape, a, b))));
         }
@@ -357,7 +355,6 @@ impl Elements {
             opening,
             is_hollow,
             depth,
-            is_outlined,
             bends,
             is_discontinuous: false,
         }
@@ -370,15 +367,15 @@ impl Elements {
     /// sizes do not close: a small one would look under the edges of larger ones beside it.
     pub fn factor_at(&self, p: DVec3, n: DVec3, node: &Node) -> f64 {
         let corners = self.triangle(node);
-        let shape = match self.shape(node.patch) {
-            Some(shape) if node.is_outlined => shape,
+        let (shape, bends) = match (self.shape(node.patch), &node.bends) {
+            (Some(shape), Some(bends)) => (shape, bends),
             _ => return form_factor::point_to_front(p, n, &corners, node.normal) * node.area_ratio,
         };
         let [a, b, c] = corners;
         let mut outline = Outline::<true>::begin(p, n, a);
         let sides = [[a, b], [b, c], [c, a]];
-        for (side, ends) in sides.into_iter().enumerate() {
-            self.go_along(shape, &mut outline, ends, p, node.bends.as_ref().map(|bends| bends[side]), MAX_DEPTH);
+        for (ends, bend) in sides.into_iter().zip(bends.iter()) {
+            self.go_along(shape, &mut outline, ends, p, Some(*bend), MAX_DEPTH);
         }
         let is_clockwise = (b - a).cross(c - a).dot(node.normal) < 0.0;
         let factor = outline.end();
@@ -657,7 +654,6 @@ impl Elements {
             opening: 1.0,
             is_hollow: false,
             depth: 0.0,
-            is_outlined: false,
             bends: None,
             is_discontinuous: false,
         };
@@ -682,7 +678,6 @@ pub(super) fn empty() -> Node {
         opening: 1.0,
         is_hollow: false,
         depth: 0.0,
-        is_outlined: false,
         bends: None,
         is_discontinuous: false,
     }

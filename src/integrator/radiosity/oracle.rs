@@ -98,6 +98,11 @@ const PLANE_TOLERANCE: f64 = 1e-6;
 /// The shape reaches no farther behind a hollow element than this many times its depth in the middle.
 const REACH: f64 = 1.5;
 
+/// A link that brings no light.
+fn empty_link(receiver: u32, source: u32, kind: LinkKind, error: f32) -> Link {
+    Link { receiver, source, factor: 0.0, visible: 1.0, seen: 1.0, quarter_weights: QuarterWeights::EVEN, error, kind }
+}
+
 impl RefinementOracle {
     pub fn node(&self, number: u32) -> &Node {
         &self.elements.nodes[number as usize]
@@ -203,16 +208,7 @@ impl RefinementOracle {
     }
 
     fn negligible_link(&self, receiver: u32, source: u32) -> PairDecision {
-        PairDecision::Link(Link {
-            receiver,
-            source,
-            factor: 0.0,
-            visible: 1.0,
-            seen: 1.0,
-            quarter_weights: QuarterWeights::EVEN,
-            error: (1.0 / NEGLIGIBLE) as f32,
-            kind: LinkKind::Negligible,
-        })
+        PairDecision::Link(empty_link(receiver, source, LinkKind::Negligible, (1.0 / NEGLIGIBLE) as f32))
     }
 
     /// Subdivides the node with the larger radius, or the one that can be subdivided.
@@ -256,18 +252,7 @@ impl RefinementOracle {
             return PairDecision::NoTransport;
         }
         // A hollow receiver does not see it, but the elements below the receiver do, which are evaluated by themselves.
-        let of_children = || {
-            PairDecision::Link(Link {
-                receiver,
-                source,
-                factor: 0.0,
-                visible: 1.0,
-                seen: 1.0,
-                error: 0.0,
-                quarter_weights: QuarterWeights::EVEN,
-                kind: LinkKind::Element,
-            })
-        };
+        let of_children = || PairDecision::Link(empty_link(receiver, source, LinkKind::Element, 0.0));
         if above <= margin {
             return of_children();
         }
@@ -286,7 +271,7 @@ impl RefinementOracle {
                     let back = |p: DVec3| self.elements.factor_at(p, s.normal, r) / r.area_ratio;
                     // A hollow element is seen through its flat one, an element at the edge of a disk is seen to the edge.
                     let area = |node: &Node, flat| {
-                        if node.is_outlined && !node.is_hollow { node.area } else { triangle_area(flat) }
+                        if node.bends.is_some() && !node.is_hollow { node.area } else { triangle_area(flat) }
                     };
                     let areas = s.area_ratio * area(s, &to) / area(r, &from);
                     let factor = areas * mean(&back, &to, 1e-3, 2);

@@ -94,7 +94,7 @@ fn tidy(quadric: &Quadric, triangles: Vec<[DVec3; 3]>) -> Vec<[DVec3; 3]> {
                 if neighbours(gone).intersection(&neighbours(kept)).count() != between.len() + 2 {
                     continue;
                 }
-                let moved = |number: usize| triangles[number].map(|corner| if corner == gone { kept } else { corner });
+                let moved = |number: usize| with_corner(triangles[number], gone, kept);
                 let is_good = around[gone].iter().filter(|number| !between.contains(number)).all(|&number| {
                     let (before, after) = (cosine(triangles[number]), cosine(moved(number)));
                     let is_sliver = before.abs() < LEAST_COSINE;
@@ -110,7 +110,7 @@ fn tidy(quadric: &Quadric, triangles: Vec<[DVec3; 3]>) -> Vec<[DVec3; 3]> {
                             around[corner].retain(|&other| other != number);
                         });
                     } else {
-                        triangles[number] = triangles[number].map(|corner| if corner == gone { kept } else { corner });
+                        triangles[number] = with_corner(triangles[number], gone, kept);
                         around[kept].push(number);
                     }
                 }
@@ -125,6 +125,11 @@ fn tidy(quadric: &Quadric, triangles: Vec<[DVec3; 3]>) -> Vec<[DVec3; 3]> {
         }
     }
     triangles.into_iter().filter(|&[a, b, _]| a != b).map(|triangle| triangle.map(|corner| points[corner])).collect()
+}
+
+/// A triangle with another corner in place of one.
+fn with_corner(triangle: [usize; 3], from: usize, to: usize) -> [usize; 3] {
+    triangle.map(|corner| if corner == from { to } else { corner })
 }
 
 /// Flips the sides of a mesh across which two triangles have a circle around one that holds the other, as Delaunay's do not: narrow
@@ -152,9 +157,7 @@ fn flip(
                 continue;
             }
             // The new triangles run as the old ones do.
-            let replace =
-                |triangle: [usize; 3], from, to| triangle.map(|corner| if corner == from { to } else { corner });
-            let new = [replace(triangles[number], b, d), replace(triangles[other], a, c)];
+            let new = [with_corner(triangles[number], b, d), with_corner(triangles[other], a, c)];
             let before = [number, other].map(|number| cosine(triangles[number]));
             let after = new.map(cosine);
             let worst = |cosines: [f64; 2]| cosines[0].abs().min(cosines[1].abs());

@@ -15,8 +15,8 @@
 
 use std::sync::Arc;
 
-use super::gain::{Best, NO_ERROR, Square, errors_of, mean_error};
-use super::{SEED, film, place, squared};
+use super::gain::{Best, Cost, Square, errors_of, mean_error};
+use super::{SEED, place, render_square, squared};
 use crate::control::Parallel;
 use crate::desc::RenderDesc;
 use crate::error::{Error, ErrorKind, Result};
@@ -24,7 +24,7 @@ use crate::film::ErrorEstimate;
 use crate::integrator::photon::Plan;
 use crate::render::method::Method;
 use crate::render::order::SQUARE;
-use crate::render::pass::{Pass, PassInput};
+use crate::render::pass::PassInput;
 use crate::render::ways::SAMPLES;
 
 /// Greatest share of the time of paths that filling a cache may take before it is given up.
@@ -206,11 +206,9 @@ impl Squares<'_> {
         let squares = parallel.map(self.known.len(), move |number| {
             let origin = place(&input, across, number as u32);
             let render = |(method, seed)| {
-                let film = Arc::new(film(&input, origin)?);
                 let desc = Arc::new(RenderDesc { seed, ..(*input.desc).clone() });
-                let input = PassInput { method, desc, film: Arc::clone(&film), ..input.clone() };
-                let rays = Pass::new(input, SAMPLES, None, token.clone()).into_rays();
-                let error = film.rel_mse().unwrap_or(NO_ERROR);
+                let input = PassInput { method, desc, ..input.clone() };
+                let (film, Cost { error, rays }) = render_square(input, origin, token.clone())?;
                 Ok(Rendered { error, luminances: film.luminances(), rays })
             };
             let rendered = ways.clone().map(render).into_iter().collect::<Result<Vec<_>>>()?;

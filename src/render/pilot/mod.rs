@@ -34,7 +34,7 @@ use super::method::Method;
 use super::order::SQUARE;
 use super::pass::{Light, Pass, PassInput};
 use super::ways::{LIGHT_SEED, SAMPLES, Undecided};
-use crate::control::Parallel;
+use crate::control::{Cancel, Parallel};
 use crate::desc::RenderDesc;
 use crate::error::Result;
 use crate::film::{Film, FilmOptions, Placement};
@@ -105,11 +105,10 @@ pub(super) fn pilot(
             let is_even = (number as u32 / across + number as u32 % across).is_multiple_of(2);
             for (method, first_shadow_rays) in methods.iter().take(if is_even { methods.len() } else { kinds }) {
                 let (method, first_shadow_rays) = (method.clone(), *first_shadow_rays);
-                let film = Arc::new(film(&input, origin)?);
-                let input = PassInput { method, first_shadow_rays, film: Arc::clone(&film), ..input.clone() };
                 let has_light = input.light.is_some();
-                let rays = Pass::new(input, SAMPLES, None, token.clone()).into_rays();
-                square.costs.push(Cost { error: film.rel_mse().unwrap_or(NO_ERROR), rays });
+                let input = PassInput { method, first_shadow_rays, ..input.clone() };
+                let (film, cost) = render_square(input, origin, token.clone())?;
+                square.costs.push(cost);
                 square.pixels.extend(has_light.then(|| film.luminances()));
             }
             Ok(square)
@@ -266,6 +265,14 @@ fn place(input: &PassInput, across: u32, number: u32) -> [u32; 2] {
         let place = f64::from(cell[axis]) * size + spread[axis] * (size - f64::from(SQUARE));
         place as u32 / SQUARE * SQUARE
     })
+}
+
+/// Renders a square that begins here, with the samples of a pilot.
+fn render_square(input: PassInput, origin: [u32; 2], token: Cancel) -> Result<(Arc<Film>, Cost)> {
+    let film = Arc::new(film(&input, origin)?);
+    let rays = Pass::new(PassInput { film: Arc::clone(&film), ..input }, SAMPLES, None, token).into_rays();
+    let error = film.rel_mse().unwrap_or(NO_ERROR);
+    Ok((film, Cost { error, rays }))
 }
 
 /// The film of a square.
