@@ -971,6 +971,20 @@ enum etd_layer
      * once (photon, photon_direct, irradiance_cache), only the bias of caustics is included. It is 0 without maps.
      */
     ETD_LAYER_BIAS = 256,
+    /**
+     * Light that emitters send to the camera without being scattered on its way, [W m^-2 sr^-1]: 3 channels. The sum of this layer and
+     * the next two is the colour. Only the integrators path and direct, and auto, which is path for such a film, count how often light
+     * is scattered: a render by another one ends with `ETD_UNSUPPORTED`. Its pixels share no hits, and it has no light paths.
+     */
+    ETD_LAYER_EMISSION = 512,
+    /**
+     * Light that was scattered once, by the surface that the camera sees: 3 channels. Mirrors and glass scatter, too.
+     */
+    ETD_LAYER_DIRECT = 1024,
+    /**
+     * Light that was scattered more than once: 3 channels.
+     */
+    ETD_LAYER_INDIRECT = 2048,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L

@@ -129,6 +129,7 @@ fn what_differs_from_pixel_to_pixel_is_kept() {
         ("light paths", of(|it| (it.desc.light_paths, it.desc.filter) = (Some(true), FilterDesc::Tent))),
         ("more light samples first", of(|it| it.desc.first_shadow_rays = Some(3))),
         ("wavelengths", of(|it| it.desc.spectral = true)),
+        ("parts of the light", of(|it| it.light_parts = true)),
         ("a pattern", of(|it| it.desc.sampler = SamplerDesc::Jittered)),
     ];
     for (name, settings) in cases {
@@ -159,6 +160,25 @@ fn what_the_settings_leave_open_is_that_of_the_checkpoint() {
     without.desc.light_paths = Some(false);
     let error = Render::resume(&scene, without, begun.checkpoint().unwrap()).err().expect("it is another render");
     assert!(error.message().contains("with light paths, and this render is without them"), "{error}");
+}
+
+#[test]
+fn parts_of_the_light_go_on_without_being_asked_for_and_cannot_be_added() {
+    let scene = built(&room(GLASS));
+    let asked = RenderSettings { light_parts: true, ..settings(IntegratorDesc::Auto) };
+    let whole = finish(Render::new(&scene, asked.clone()).unwrap());
+    let part_way = |settings: &RenderSettings| {
+        let mut begun = Render::new(&scene, settings.clone()).unwrap();
+        begun.run(&mut |_| ControlFlow::Break(())).unwrap();
+        moved(&begun.checkpoint().unwrap())
+    };
+    let open = RenderSettings { light_parts: false, ..asked.clone() };
+    let more = finish(Render::resume(&scene, open, part_way(&asked)).unwrap());
+    assert!(bits(&whole.image()) == bits(&more.image()));
+    let without = settings(IntegratorDesc::Path);
+    let adding = RenderSettings { light_parts: true, ..without.clone() };
+    let error = Render::resume(&scene, adding, part_way(&without)).err().expect("earlier samples have no parts");
+    assert!(error.message().contains("other layers"), "{error}");
 }
 
 /// Nothing to aim at, or no lamp: a render without them all the same.

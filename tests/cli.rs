@@ -517,6 +517,39 @@ fn a_bias_is_allowed_to_auto_alone_and_the_chosen_integrator_is_told() {
 }
 
 #[test]
+fn light_layers_add_up_to_the_picture() {
+    let folder = folder();
+    let cornell = scene("cornell.json");
+    let render = |more: &[&str]| etendue(folder.path(), small_render(&cornell, &[more, &["-q"]].concat()));
+    render(&["--light-layers", "-o", "parts.exr", "b.png"]).assert_done();
+    render(&["-o", "plain.exr"]).assert_done();
+    let [parts, plain] = ["parts.exr", "plain.exr"].map(|name| output::read(&folder.path().join(name)).unwrap());
+    assert_eq!(parts.rgb, plain.rgb, "the picture is the usual one");
+    let [emission, direct, indirect] = ["emission", "direct", "indirect"].map(|name| &parts.layer(name).unwrap().data);
+    assert!(plain.layer("direct").is_none());
+    for layer in [emission, direct, indirect] {
+        assert!(layer.iter().any(|value| *value > 0.0));
+    }
+    for (i, whole) in parts.rgb.iter().enumerate() {
+        assert!((emission[i] + direct[i] + indirect[i] - whole).abs() <= 1e-5 * whole.max(1.0), "value {i}");
+    }
+    // Of a checkpoint, which has them without being asked for.
+    render(&["--light-layers", "--checkpoint", "a.etd"]).assert_done();
+    etendue(folder.path(), ["merge", "a.etd", "-o", "merged.exr"]).assert_done();
+    assert_eq!(
+        output::read(&folder.path().join("merged.exr")).unwrap().layer("direct").map(|it| &it.data),
+        Some(direct)
+    );
+
+    render(&["--light-layers", "-o", "x.png"]).assert_refused("--light-layers: no output has room for layers");
+    let sppm = render(&["--light-layers", "--integrator", "sppm", "-o", "x.exr"]);
+    sppm.assert_refused("sppm does not count how often light was scattered; expected the integrator path");
+    render(&["--light-layers", "--reuse", "-o", "x.exr"])
+        .assert_refused("render.integrator.reuse is true, and light is kept apart");
+    assert!(!folder.path().join("x.exr").exists());
+}
+
+#[test]
 fn spectral_layers_are_channels_of_an_exr() {
     let folder = folder();
     let scene = scene("cornell.json");

@@ -251,6 +251,7 @@ fn adaptive_renders_and_shared_hits_have_the_same_bits_with_helpers() {
     check(&glass, &RenderSettings { desc: lit, ..path.clone() });
     let first = RenderDesc { first_shadow_rays: Some(3), reuse: Some(true), ..path.desc.clone() };
     check(&glass, &RenderSettings { desc: first, ..path.clone() });
+    check(&glass, &RenderSettings { light_parts: true, ..path.clone() });
     check(&glass, &RenderSettings { desc: RenderDesc { spectral: true, ..path.desc.clone() }, ..path });
 }
 

@@ -130,6 +130,10 @@ pub struct RenderArgs {
     #[arg(long, value_name = "on|off", value_enum, num_args = 0..=1, require_equals = true)]
     #[arg(default_missing_value = "on", hide_possible_values = true)]
     pub spectral: Option<Switch>,
+    /// Layers of an EXR for light by how often it was scattered on its way from its emitter: emission (not at all), direct (once) and
+    /// indirect. With the integrators path and direct.
+    #[arg(long)]
+    pub light_layers: bool,
     /// Layers of an EXR for the mean spectral radiance over so many bands of equal width, 3 to 512. With --spectral.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(3..=512))]
     pub spectral_layers: Option<u32>,

@@ -58,7 +58,8 @@ pub fn render(scene: &Scene, settings: &RenderSettings, bands: Bands, quiet: boo
     let number = count.div_ceil(A_FILM);
     for (place, (begin, wanted)) in films(count).enumerate() {
         let sensor = Sensor::Bands { range: [edge(begin), edge(begin + A_FILM)] };
-        let mut render = Render::new(scene, RenderSettings { sensor, auxiliary: false, ..settings.clone() })?;
+        let mut render =
+            Render::new(scene, RenderSettings { sensor, auxiliary: false, light_parts: false, ..settings.clone() })?;
         let bar = Bar::new(quiet);
         let summary = render
             .run(&mut |progress| {

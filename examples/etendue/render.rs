@@ -257,7 +257,12 @@ fn render_frame<R: Runner>(
     }
     let wants_fingerprint = R::HAS_OTHERS || args.state.checkpoint.is_some() || args.state.resume.is_some();
     let fingerprint = wants_fingerprint.then(|| description.fingerprint()).transpose()?;
-    let (settings, resumed) = args.state.apply(RenderSettings { auxiliary: layers, fingerprint, ..settings })?;
+    let (settings, resumed) = args.state.apply(RenderSettings {
+        auxiliary: layers,
+        light_parts: args.light_layers,
+        fingerprint,
+        ..settings
+    })?;
     let mut render = match resumed {
         None => Render::new(scene, settings.clone())?,
         Some(checkpoint) => {
@@ -393,6 +398,10 @@ fn check_outputs(args: &RenderArgs) -> Result<bool, Failure> {
             layers |= format == Format::Exr;
             check(&path)?;
         }
+    }
+    if args.light_layers && !layers {
+        let message = "--light-layers: no output has room for layers, expected one with a name that ends in .exr, or --checkpoint";
+        return Err(Failure::usage(message));
     }
     Ok(layers)
 }

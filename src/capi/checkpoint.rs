@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use super::boundary::{Object, boundary, give, items, need, on, read_sized, share, text};
 use super::device::etd_device;
-use super::film::{FIRST_HIT, charge, check_layers, etd_film};
+use super::film::{FIRST_HIT, LIGHT_PARTS, charge, check_layers, etd_film};
 use super::read::in_options;
 use super::status::{ETD_INVALID_ARGUMENT, ETD_INVALID_SCENE, Failure, Result, etd_status};
 use super::types::{etd_film_options, etd_render_options};
@@ -307,7 +307,10 @@ unsafe fn load(
         if layers & FIRST_HIT != 0 && !film.auxiliary {
             return refuse("the film keeps no first hits, of which the options expect layers".to_owned());
         }
-        charged = Some(charge(device, film.resolution, layers, film.auxiliary)?);
+        if layers & LIGHT_PARTS != 0 && !film.light_parts {
+            return refuse("the film keeps no parts of the light, of which the options expect layers".to_owned());
+        }
+        charged = Some(charge(device, film, layers)?);
         Ok(())
     })?;
     let charged = charged.ok_or_else(|| Failure::operation("the film was not asked for"))?;
@@ -355,9 +358,10 @@ pub unsafe extern "C" fn etd_film_merge(
         let hold = |(number, film)| Held::of(film).map_err(|failure| in_films(number, failure));
         let mut held = films.iter().enumerate().map(hold).collect::<Result<Vec<_>>>()?;
         let parts: Vec<Checkpoint> = held.iter_mut().filter_map(Held::take).collect();
-        let auxiliary = parts.first().is_some_and(|part| part.film().options().auxiliary);
         let device = first.device();
-        let charged = charge(device, first.resolution, first.layers(), auxiliary)?;
+        let options = parts.first().map(|part| *part.film().options());
+        let options = options.ok_or_else(|| Failure::argument("count is 0, expected 1 or more"))?;
+        let charged = charge(device, &options, first.layers())?;
         let whole = Checkpoint::merge(parts).map_err(|error| match Failure::from(error) {
             failure if failure.status == ETD_INVALID_SCENE => Failure { status: ETD_INVALID_ARGUMENT, ..failure },
             failure => failure,

@@ -19,13 +19,13 @@ use super::work::summary_out;
 use crate::Cancel;
 use crate::desc::{MAX_PIXELS, SceneDesc};
 use crate::embree::Charge;
-use crate::film::{Film, Image, LayerKind, Shown, TILE, pixel_bytes};
+use crate::film::{Film, FilmOptions, Image, LayerKind, Shown, TILE};
 use crate::output::{self, Attribute, ToneMap, WriteOptions, summary_attributes};
 use crate::render::{Checkpoint, Share, Summary};
 use crate::spectrum::Primaries;
 
 /// The layers besides the colour that are images.
-const LAYERS: [(etd_layer, LayerKind); 7] = [
+const LAYERS: [(etd_layer, LayerKind); 10] = [
     (ETD_LAYER_ALBEDO, LayerKind::Albedo),
     (ETD_LAYER_NORMAL, LayerKind::Normal),
     (ETD_LAYER_DEPTH, LayerKind::Depth),
@@ -33,14 +33,20 @@ const LAYERS: [(etd_layer, LayerKind); 7] = [
     (ETD_LAYER_VARIANCE, LayerKind::Variance),
     (ETD_LAYER_STANDARD_ERROR, LayerKind::StandardError),
     (ETD_LAYER_BIAS, LayerKind::Bias),
+    (ETD_LAYER_EMISSION, LayerKind::Emission),
+    (ETD_LAYER_DIRECT, LayerKind::Direct),
+    (ETD_LAYER_INDIRECT, LayerKind::Indirect),
 ];
 
 /// All bits that layers use.
-const ALL_LAYERS: u32 = 511;
+const ALL_LAYERS: u32 = 4095;
 
 /// Layers that need the first hit of each sample.
 pub(super) const FIRST_HIT: u32 =
     ETD_LAYER_ALBEDO as u32 | ETD_LAYER_NORMAL as u32 | ETD_LAYER_DEPTH as u32 | ETD_LAYER_ALPHA as u32;
+
+/// Layers that need light to be kept apart by how often it was scattered.
+pub(super) const LIGHT_PARTS: u32 = ETD_LAYER_EMISSION as u32 | ETD_LAYER_DIRECT as u32 | ETD_LAYER_INDIRECT as u32;
 
 /// A developed image: the colour with alpha, and the layers that the film keeps.
 #[derive(Default)]
@@ -245,6 +251,11 @@ impl etd_film {
         self.layers & FIRST_HIT != 0
     }
 
+    /// Whether renders have to keep parts of the light apart for the film's layers.
+    pub(super) fn keeps_light_parts(&self) -> bool {
+        self.layers & LIGHT_PARTS != 0
+    }
+
     /// Reserves the film for a render. It is an error while another render uses the film.
     pub(super) fn begin(&self) -> Result {
         let mut state = lock(&self.state);
@@ -411,7 +422,16 @@ pub unsafe extern "C" fn etd_film_new(
             let it = read_sized(options, "options")?;
             check_size([it.width, it.height])?;
             check_layers(&it)?;
-            let charge = charge(device, [it.width, it.height], it.layers, it.layers & FIRST_HIT != 0)?;
+            let kept = FilmOptions {
+                resolution: [it.width, it.height],
+                placement: None,
+                auxiliary: it.layers & FIRST_HIT != 0,
+                light_parts: it.layers & LIGHT_PARTS != 0,
+                share: 1,
+                weighted: false,
+                gathering: false,
+            };
+            let charge = charge(device, &kept, it.layers)?;
             let film = etd_film::make(device, [it.width, it.height], it.layers, charge, None)?;
             give(film, out_film);
             Ok(())
@@ -432,17 +452,12 @@ pub(super) fn check_layers(options: &etd_film_options) -> Result {
 }
 
 /// Takes a film's part of the device's memory limit: the sums and two images, one that is shown and one that is being developed.
-pub(super) fn charge(
-    device: &etd_device,
-    size: [u32; 2],
-    layers: u32,
-    keeps_first_hits: bool,
-) -> crate::Result<Charge> {
+pub(super) fn charge(device: &etd_device, film: &FilmOptions, layers: u32) -> crate::Result<Charge> {
     let channels: usize =
         LAYERS.iter().filter(|(layer, _)| layers & *layer as u32 != 0).map(|(_, kind)| kind.channels()).sum();
-    let pixels: u64 = size.map(u64::from).iter().product();
-    let in_tiles: u64 = size.map(|side| u64::from(side.div_ceil(TILE) * TILE)).iter().product();
-    let bytes = in_tiles * pixel_bytes(keeps_first_hits) as u64 + pixels * 2 * 4 * (4 + channels as u64);
+    let pixels: u64 = film.resolution.map(u64::from).iter().product();
+    let in_tiles: u64 = film.resolution.map(|side| u64::from(side.div_ceil(TILE) * TILE)).iter().product();
+    let bytes = in_tiles * film.bytes_in_memory() as u64 + pixels * 2 * 4 * (4 + channels as u64);
     device.budget.try_charge(usize::try_from(bytes).unwrap_or(usize::MAX))
 }
 

@@ -289,8 +289,8 @@ impl RenderWork {
     fn settings(&self, cancel: &Cancel) -> Result<RenderSettings> {
         let settings = settings_of(&self.options, self.film.resolution, &self.scene.device, cancel)?;
         let Parts { share, plan } = &self.parts;
-        let auxiliary = self.film.keeps_first_hits();
-        Ok(RenderSettings { auxiliary, share: *share, checkpoint: plan.clone(), ..settings })
+        let (auxiliary, light_parts) = (self.film.keeps_first_hits(), self.film.keeps_light_parts());
+        Ok(RenderSettings { auxiliary, light_parts, share: *share, checkpoint: plan.clone(), ..settings })
     }
 
     /// Marks a run as begun. Returns `false` if the run is over, or was already begun.

@@ -15,9 +15,7 @@ mod unknown_mean;
 pub(crate) use error::FEW_PIXELS;
 pub use error::{ErrorEstimate, ErrorMeasure, SampleCounts};
 pub use photon_state::{PixelPhotonState, ShrinkingRadius};
-#[cfg(feature = "capi")]
-pub(crate) use pixel::pixel_bytes;
-pub use pixel::{Auxiliary, Pixel, REPLICATES};
+pub use pixel::{Auxiliary, LightSums, Pixel, REPLICATES};
 
 pub use crate::image::{Image, Layer, Placement};
 
@@ -42,6 +40,8 @@ pub struct FilmOptions {
     pub placement: Option<Placement>,
     /// Whether albedo, normal and depth of the first hit are stored.
     pub auxiliary: bool,
+    /// Whether light is kept apart by how often it was scattered.
+    pub light_parts: bool,
     /// Number of consecutive samples of a pixel with correlated errors, because they read the same photon maps; else 1.
     /// They belong to one of the [`REPLICATES`], from whose scatter the error is estimated.
     pub share: u32,
@@ -65,6 +65,18 @@ pub struct Film {
 #[derive(Clone, Debug, Default)]
 pub struct Shown(Vec<u64>);
 
+impl FilmOptions {
+    /// Bytes of memory that a pixel takes.
+    pub(crate) fn bytes_in_memory(&self) -> usize {
+        let kept = [
+            (self.auxiliary, size_of::<Auxiliary>()),
+            (self.light_parts, size_of::<LightSums>()),
+            (self.gathering, size_of::<PixelPhotonState>()),
+        ];
+        size_of::<Pixel>() + kept.iter().filter(|(is_kept, _)| *is_kept).map(|(_, bytes)| bytes).sum::<usize>()
+    }
+}
+
 /// The pixels of a tile, row by row with [`TILE`] in a row, including those outside the image; empty until the tile is
 /// filled.
 #[derive(Debug, Default)]
@@ -72,6 +84,8 @@ pub(crate) struct Tile {
     pub pixels: Vec<Pixel>,
     /// One for each pixel; empty where the film has no auxiliary layers.
     pub auxiliary: Vec<Auxiliary>,
+    /// One for each pixel; empty where the film keeps no parts of the light.
+    pub light: Vec<LightSums>,
     /// One for each pixel; empty where pixels have no photon state.
     pub gathering: Vec<PixelPhotonState>,
     /// Number of times that samples were added.
@@ -81,12 +95,12 @@ pub(crate) struct Tile {
 impl Tile {
     /// A tile without samples that has memory.
     fn new(options: &FilmOptions) -> Self {
-        let auxiliary = if options.auxiliary { PIXELS_PER_TILE } else { 0 };
-        let gathering = if options.gathering { PIXELS_PER_TILE } else { 0 };
+        let count = |is_kept: bool| if is_kept { PIXELS_PER_TILE } else { 0 };
         Self {
             pixels: vec![Pixel::default(); PIXELS_PER_TILE],
-            auxiliary: vec![Auxiliary::default(); auxiliary],
-            gathering: vec![PixelPhotonState::default(); gathering],
+            auxiliary: vec![Auxiliary::default(); count(options.auxiliary)],
+            light: vec![LightSums::default(); count(options.light_parts)],
+            gathering: vec![PixelPhotonState::default(); count(options.gathering)],
             changes: 0,
         }
     }
@@ -108,6 +122,10 @@ impl Tile {
         if let (Some(auxiliary), Some((albedo, normal, depth))) = (self.auxiliary.get_mut(index), sample.first) {
             auxiliary.add(albedo, normal, depth);
         }
+        // A sample that is not finite counts as black in its parts, too.
+        if let (Some(light), true) = (self.light.get_mut(index), sample.radiance.is_finite()) {
+            light.add(sample.parts, sample.weight);
+        }
     }
 }
 
@@ -121,12 +139,15 @@ pub(crate) struct PixelSample {
     pub gathering: Option<PixelPhotonState>,
     /// Albedo, shading normal and depth of the first hit, where there is one and the film keeps them.
     pub first: Option<(Rgb, Vec3, f32)>,
+    /// What of the radiance was emitted towards the camera and what was scattered once, where the film keeps them apart.
+    pub parts: [Rgb; 2],
 }
 
 /// Optional data of a pixel besides its sums.
 #[derive(Clone, Copy)]
 struct PixelExtras<'a> {
     auxiliary: Option<&'a Auxiliary>,
+    light: Option<&'a LightSums>,
     gathering: Option<&'a PixelPhotonState>,
 }
 
@@ -151,6 +172,12 @@ pub enum LayerKind {
     /// Estimated bias of the pixel's mean by photon maps: the mean is too large by this value. With maps that are shot
     /// only once, the bias of caustics alone; 0 without maps.
     Bias,
+    /// Light that emitters send to the camera without being scattered on its way. Its sum with the next two is the colour.
+    Emission,
+    /// Light that was scattered once: that of emitters on the surfaces that the camera sees.
+    Direct,
+    /// Light that was scattered twice or more often.
+    Indirect,
 }
 
 impl LayerKind {
@@ -159,12 +186,18 @@ impl LayerKind {
         match self {
             Self::Depth | Self::Samples => 1,
             Self::Albedo | Self::Normal | Self::Variance | Self::StandardError | Self::Bias => 3,
+            Self::Emission | Self::Direct | Self::Indirect => 3,
         }
     }
 
     /// Whether the layer comes from the first hits, which a film stores only on request.
     fn is_auxiliary(self) -> bool {
         matches!(self, Self::Albedo | Self::Normal | Self::Depth)
+    }
+
+    /// Whether the layer is a part of the light, which a film keeps apart only on request.
+    fn is_part_of_light(self) -> bool {
+        matches!(self, Self::Emission | Self::Direct | Self::Indirect)
     }
 }
 
@@ -184,9 +217,7 @@ impl Film {
         let mut tiles = with_room(count)?;
         tiles.resize_with(count, Mutex::default);
         // The memory of all tiles is reserved once and released, so that a film that cannot fit is refused now.
-        let bytes = size_of::<Pixel>() + if options.auxiliary { size_of::<Auxiliary>() } else { 0 };
-        let bytes = bytes + if options.gathering { size_of::<PixelPhotonState>() } else { 0 };
-        check_room(count * PIXELS_PER_TILE * bytes)?;
+        check_room(count * PIXELS_PER_TILE * options.bytes_in_memory())?;
         Ok(Self { options, tiles: tiles.into() })
     }
 
@@ -197,11 +228,9 @@ impl Film {
     pub(crate) fn copy_of(film: &Self) -> Result<Self> {
         let copy = Self::new(film.options)?;
         for (from, to) in film.tiles.iter().zip(&copy.tiles) {
-            let Tile { pixels, auxiliary, gathering, changes } = &*lock(from);
-            let changes = *changes;
-            let copied =
-                Tile { pixels: copied(pixels)?, auxiliary: copied(auxiliary)?, gathering: copied(gathering)?, changes };
-            *lock(to) = copied;
+            let Tile { pixels, auxiliary, light, gathering, changes } = &*lock(from);
+            let (pixels, auxiliary, light) = (copied(pixels)?, copied(auxiliary)?, copied(light)?);
+            *lock(to) = Tile { pixels, auxiliary, light, gathering: copied(gathering)?, changes: *changes };
         }
         Ok(copy)
     }
@@ -284,8 +313,11 @@ impl Film {
                 for x in left..(left + TILE).min(width) {
                     let index = ((y - top) * TILE + (x - left)) as usize;
                     let place = y as usize * width as usize + x as usize;
-                    let extras =
-                        PixelExtras { auxiliary: tile.auxiliary.get(index), gathering: tile.gathering.get(index) };
+                    let extras = PixelExtras {
+                        auxiliary: tile.auxiliary.get(index),
+                        light: tile.light.get(index),
+                        gathering: tile.gathering.get(index),
+                    };
                     visit(place, tile.pixels.get(index).unwrap_or(&unsampled), extras);
                 }
             }
@@ -311,15 +343,15 @@ impl Film {
     /// # Errors
     /// [`ErrorKind::OutOfMemory`].
     pub fn try_develop(&self) -> Result<Image> {
-        // All layers that there can be have less than 20 channels. Zeros that are not written take no memory.
-        check_room(20 * size_of::<f32>() * self.pixel_count())?;
+        // All layers that there can be have less than 30 channels. Zeros that are not written take no memory.
+        check_room(30 * size_of::<f32>() * self.pixel_count())?;
         Ok(self.develop())
     }
 
     /// The current image: means of the samples, black where there are none.
     ///
     /// Layers: `samples`, `variance` (of the pixel's mean; NaN where there are fewer than four replicates), and with
-    /// auxiliary data `albedo`, `normal` and `depth`.
+    /// auxiliary data `albedo`, `normal` and `depth`. With parts of the light `emission`, `direct` and `indirect`.
     pub fn develop(&self) -> Image {
         let [width, height] = self.options.resolution;
         let mut kinds = vec![("samples", LayerKind::Samples), ("variance", LayerKind::Variance)];
@@ -329,6 +361,10 @@ impl Film {
         }
         if self.options.gathering {
             kinds.push(("bias", LayerKind::Bias));
+        }
+        if self.options.light_parts {
+            let parts = [LayerKind::Emission, LayerKind::Direct, LayerKind::Indirect];
+            kinds.extend(["emission", "direct", "indirect"].into_iter().zip(parts));
         }
         let room = |channels: usize| vec![0.0; channels * self.pixel_count()];
         let empty = |&(name, kind): &(&str, LayerKind)| {
@@ -341,7 +377,7 @@ impl Film {
                 out.copy_from_slice(&pixel.mean(self.options.weighted));
             }
             for ((_, kind), layer) in kinds.iter().zip(&mut layers) {
-                write_pixel(*kind, self.options.share, place, pixel, extras, &mut layer.data);
+                write_pixel(*kind, &self.options, place, pixel, extras, &mut layer.data);
             }
         });
         Image { width, height, rgb, layers, placement: self.options.placement }
@@ -361,8 +397,8 @@ impl Film {
     /// Writes the current values of a layer as `[height][width][channels]`, row 0 on top.
     ///
     /// # Errors
-    /// [`ErrorKind::Internal`] for a slice of another length, and for a layer of first hits if the film does not store
-    /// them.
+    /// [`ErrorKind::Internal`] for a slice of another length, and for a layer of first hits or a part of the light if the film does not
+    /// keep them.
     pub fn layer_into(&self, layer: LayerKind, out: &mut [f32]) -> Result<()> {
         self.check_layer(layer, out)?;
         self.write_layer(layer, out);
@@ -381,7 +417,7 @@ impl Film {
     }
 
     fn write_layer(&self, layer: LayerKind, out: &mut [f32]) {
-        self.for_each(|place, pixel, extras| write_pixel(layer, self.options.share, place, pixel, extras, out));
+        self.for_each(|place, pixel, extras| write_pixel(layer, &self.options, place, pixel, extras, out));
     }
 
     /// The same as [`Film::rgba_into`] and [`Film::layer_into`] for several layers, in one pass over the film; false if
@@ -413,7 +449,7 @@ impl Film {
                 out.copy_from_slice(&self.rgba(pixel, extras.auxiliary, alpha));
             }
             for (layer, out) in &mut *layers {
-                write_pixel(*layer, self.options.share, place, pixel, extras, out);
+                write_pixel(*layer, &self.options, place, pixel, extras, out);
             }
         }))
     }
@@ -434,6 +470,9 @@ impl Film {
         self.check_length(out, layer.channels())?;
         if layer.is_auxiliary() && !self.options.auxiliary {
             return Err(Error::new(ErrorKind::Internal, format!("the film keeps no first hits for {layer:?}")));
+        }
+        if layer.is_part_of_light() && !self.options.light_parts {
+            return Err(Error::new(ErrorKind::Internal, format!("the film keeps no parts of the light for {layer:?}")));
         }
         Ok(())
     }
@@ -458,12 +497,13 @@ impl Film {
 #[inline]
 fn write_pixel(
     layer: LayerKind,
-    share: u32,
+    &FilmOptions { share, weighted, .. }: &FilmOptions,
     place: usize,
     pixel: &Pixel,
-    PixelExtras { auxiliary, gathering }: PixelExtras,
+    PixelExtras { auxiliary, light, gathering }: PixelExtras,
     out: &mut [f32],
 ) {
+    let light = light.copied().unwrap_or_default();
     let mean =
         |sum: Option<[f64; 3]>| sum.unwrap_or_default().map(|sum| (sum / f64::from(pixel.count().max(1))) as f32);
     let three = match layer {
@@ -471,6 +511,13 @@ fn write_pixel(
         LayerKind::Normal => mean(auxiliary.map(|auxiliary| auxiliary.normal)),
         LayerKind::Variance => pixel.variance(share).map(|variance| variance as f32),
         LayerKind::StandardError => pixel.variance(share).map(|variance| variance.sqrt() as f32),
+        LayerKind::Emission => pixel.mean_of(light.emission, weighted),
+        LayerKind::Direct => pixel.mean_of(light.direct, weighted),
+        LayerKind::Indirect => {
+            let sum = pixel.sum();
+            let rest = std::array::from_fn(|channel| sum[channel] - light.emission[channel] - light.direct[channel]);
+            pixel.mean_of(rest, weighted)
+        }
         LayerKind::Bias => gathering.and_then(PixelPhotonState::bias).unwrap_or_default().map(|bias| bias as f32),
         LayerKind::Depth | LayerKind::Samples => {
             if let Some(out) = out.get_mut(place) {
@@ -508,6 +555,7 @@ mod tests {
             resolution: [19, 17],
             placement: None,
             auxiliary,
+            light_parts: auxiliary,
             share: 1,
             weighted: false,
             gathering: false,
@@ -516,7 +564,8 @@ mod tests {
     }
 
     fn sample(value: f32, first: Option<(Rgb, Vec3, f32)>) -> PixelSample {
-        PixelSample { radiance: Rgb::splat(value), weight: 1.0, gathering: None, first }
+        let parts = [0.25, 0.5].map(|part| Rgb::splat(part * value));
+        PixelSample { radiance: Rgb::splat(value), weight: 1.0, gathering: None, first, parts }
     }
 
     #[test]

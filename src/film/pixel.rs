@@ -36,9 +36,7 @@ impl Pixel {
     pub fn add(&mut self, radiance: Rgb, weight: f32, share: u32) {
         let replicate = (self.count / share.max(1)) as usize % REPLICATES;
         if radiance.is_finite() {
-            for (sum, value) in self.sums[replicate].iter_mut().zip(radiance.to_array()) {
-                *sum += f64::from(weight) * f64::from(value);
-            }
+            add_weighted(&mut self.sums[replicate], radiance, weight);
         } else {
             self.non_finite += 1;
         }
@@ -56,16 +54,21 @@ impl Pixel {
         self.non_finite
     }
 
-    /// Sum of all samples.
+    /// Sum of all samples, times their weights.
     #[inline]
-    fn sum(&self) -> [f64; 3] {
+    pub fn sum(&self) -> [f64; 3] {
         std::array::from_fn(|channel| self.sums.iter().map(|sum| sum[channel]).sum())
     }
 
     /// Value of the pixel. `weighted`: divide by the sum of weights instead of the number of samples.
     pub fn mean(&self, weighted: bool) -> [f32; 3] {
+        self.mean_of(self.sum(), weighted)
+    }
+
+    /// The mean of a sum over the pixel's samples, as [`Pixel::mean`].
+    pub fn mean_of(&self, sum: [f64; 3], weighted: bool) -> [f32; 3] {
         let total = if weighted && self.weight != 0.0 { self.weight } else { f64::from(self.count.max(1)) };
-        self.sum().map(|sum| (sum / total) as f32)
+        sum.map(|sum| (sum / total) as f32)
     }
 
     /// Variance of the mean for each channel, from the scatter of the replicates' means; NaN while fewer than four of
@@ -134,10 +137,29 @@ impl Pixel {
     }
 }
 
-/// Bytes of a pixel's sums, with or without those of its first hits.
-#[cfg(feature = "capi")]
-pub(crate) const fn pixel_bytes(auxiliary: bool) -> usize {
-    size_of::<Pixel>() + if auxiliary { size_of::<Auxiliary>() } else { 0 }
+#[inline(always)]
+fn add_weighted(sums: &mut [f64; 3], radiance: Rgb, weight: f32) {
+    for (sum, value) in sums.iter_mut().zip(radiance.to_array()) {
+        *sum += f64::from(weight) * f64::from(value);
+    }
+}
+
+/// Sums of parts of a pixel's light, by how often it was scattered on its way. The rest of the light was scattered more often.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LightSums {
+    /// Light that was not scattered, but came from an emitter to the camera.
+    pub emission: [f64; 3],
+    /// Light that was scattered exactly once.
+    pub direct: [f64; 3],
+}
+
+impl LightSums {
+    /// Adds both parts of a sample with its filter weight.
+    #[inline]
+    pub fn add(&mut self, [emission, direct]: [Rgb; 2], weight: f32) {
+        add_weighted(&mut self.emission, emission, weight);
+        add_weighted(&mut self.direct, direct, weight);
+    }
 }
 
 /// Sums of the first hits' properties.
@@ -200,6 +222,18 @@ impl AsBytes for Auxiliary {
 
     fn get(bytes: &mut Bytes<'_>) -> Option<Self> {
         Some(Self { albedo: bytes.three(), normal: bytes.three(), depth: bytes.f64(), hits: bytes.u32() })
+    }
+}
+
+impl AsBytes for LightSums {
+    fn put(&self, out: &mut Vec<u8>) {
+        put_all(self.emission.iter().chain(&self.direct), out);
+    }
+
+    fn get(bytes: &mut Bytes<'_>) -> Option<Self> {
+        let [emission, direct] = std::array::from_fn(|_| bytes.three());
+        let is_finite = emission.iter().chain(&direct).all(|sum: &f64| sum.is_finite());
+        is_finite.then_some(Self { emission, direct })
     }
 }
 

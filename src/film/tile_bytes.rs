@@ -2,9 +2,10 @@
 
 use super::{Film, FilmOptions, REPLICATES, TILE, Tile};
 
-/// Bytes of a pixel, of its first hits, of a radius that shrinks and of its photon state.
+/// Bytes of a pixel, of its first hits, of the parts of its light, of a radius that shrinks and of its photon state.
 const PIXEL: usize = REPLICATES * 24 + 16;
 const AUXILIARY: usize = 60;
+const LIGHT: usize = 48;
 const RADIUS: usize = 20;
 const PHOTONS: usize = 2 * RADIUS + 56;
 
@@ -46,7 +47,8 @@ pub(super) trait AsBytes: Sized {
 impl FilmOptions {
     /// Number of bytes of a pixel with all that the film keeps for it.
     pub(crate) fn bytes_of_a_pixel(&self) -> usize {
-        PIXEL + if self.auxiliary { AUXILIARY } else { 0 } + if self.gathering { PHOTONS } else { 0 }
+        let kept = [(self.auxiliary, AUXILIARY), (self.light_parts, LIGHT), (self.gathering, PHOTONS)];
+        PIXEL + kept.iter().filter(|(is_kept, _)| *is_kept).map(|(_, bytes)| bytes).sum::<usize>()
     }
 }
 
@@ -95,6 +97,9 @@ impl Film {
             if let Some(auxiliary) = tile.auxiliary.get(index) {
                 auxiliary.put(out);
             }
+            if let Some(light) = tile.light.get(index) {
+                light.put(out);
+            }
             if let Some(gathering) = tile.gathering.get(index) {
                 gathering.put(out);
             }
@@ -111,6 +116,9 @@ impl Film {
             tile.pixels[index] = AsBytes::get(&mut bytes)?;
             if let Some(auxiliary) = tile.auxiliary.get_mut(index) {
                 *auxiliary = AsBytes::get(&mut bytes)?;
+            }
+            if let Some(light) = tile.light.get_mut(index) {
+                *light = AsBytes::get(&mut bytes)?;
             }
             if let Some(gathering) = tile.gathering.get_mut(index) {
                 *gathering = AsBytes::get(&mut bytes)?;
@@ -141,7 +149,8 @@ mod tests {
 
     fn options(auxiliary: bool, gathering: bool) -> FilmOptions {
         let resolution = [1, 1];
-        FilmOptions { resolution, placement: None, auxiliary, share: 1, weighted: false, gathering }
+        let light_parts = auxiliary;
+        FilmOptions { resolution, placement: None, auxiliary, light_parts, share: 1, weighted: false, gathering }
     }
 
     #[test]

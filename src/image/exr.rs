@@ -32,7 +32,7 @@ use crate::{Error, ErrorKind, Result};
 const MAX_VALUES: u64 = 4 * MAX_PIXELS;
 
 /// Order of the layers that this library writes; others follow by name.
-const LAYER_ORDER: [&str; 5] = ["albedo", "normal", "depth", "samples", "variance"];
+const LAYER_ORDER: [&str; 8] = ["albedo", "normal", "depth", "emission", "direct", "indirect", "samples", "variance"];
 
 /// Channel suffixes of a layer, as readers expect them.
 fn suffixes(layer: &Layer) -> &'static [&'static str] {

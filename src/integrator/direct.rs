@@ -21,7 +21,7 @@ pub struct Direct {
 }
 
 impl Direct {
-    fn limits(&self) -> Limits<'_> {
+    pub(super) fn limits(&self) -> Limits<'static> {
         Limits { max_depth: 1, mirrors_see_lights: true, ..Limits::new(self.shadow_rays) }
     }
 }

@@ -7,6 +7,7 @@ pub(crate) mod aim;
 mod direct;
 mod irradiance;
 pub mod irradiance_cache;
+mod light_parts;
 pub mod light_tracing;
 mod media;
 mod path;
@@ -23,12 +24,13 @@ mod whitted;
 
 pub use direct::Direct;
 pub use irradiance::{Irradiance, Piece, Sites};
+pub use light_parts::LightParts;
 pub(crate) use path::LitPath;
 pub use path::Path;
 pub use probes::{Probe, ProbeQuantity, Probes};
 pub use support::{
-    check_bias, check_first_shadow_rays, check_light_paths, check_reuse, check_still, check_support, check_wavelengths,
-    no_choice, no_first_shadow_rays, no_light_paths, no_reuse, no_wavelengths,
+    check_bias, check_first_shadow_rays, check_light_parts, check_light_paths, check_reuse, check_still, check_support,
+    check_wavelengths, no_choice, no_first_shadow_rays, no_light_paths, no_reuse, no_wavelengths,
 };
 pub use tracer::{Context, FirstHit, SceneTracer, Tracer};
 pub use wave::{Sample, Wave};
@@ -85,7 +87,7 @@ pub trait Transport<C: Spectrum>: Sync {
         _memory: &mut Self::Memory,
         tracer: &mut T,
     ) {
-        for Sample { ray, sampler, radiance, wavelengths, first } in samples {
+        for Sample { ray, sampler, radiance, wavelengths, first, .. } in samples {
             *first = None;
             let mut context = Context { scene, sampler, tracer, wavelengths: *wavelengths };
             *radiance = self.li(*ray, &mut context, &mut |hit| *first = Some(hit));

@@ -37,7 +37,7 @@ impl Path {
         Self { max_depth, shadow_rays, first_shadow_rays: shadow_rays }
     }
 
-    pub(super) fn limits(&self) -> Limits<'_> {
+    pub(super) fn limits(&self) -> Limits<'static> {
         Limits {
             max_depth: self.max_depth.unwrap_or(u32::MAX),
             first_shadow_rays: self.first_shadow_rays,

@@ -71,6 +71,22 @@ pub fn no_wavelengths(method: &str) -> Result<()> {
     Err(Error::new(ErrorKind::Unsupported, message))
 }
 
+/// Refuses to keep light apart by how often it was scattered, for an integrator that does not count it.
+///
+/// # Errors
+/// [`ErrorKind::Unsupported`], whose message names the integrator.
+pub fn check_light_parts(integrator: IntegratorDesc) -> Result<()> {
+    if matches!(integrator, IntegratorDesc::Path | IntegratorDesc::Direct) {
+        return Ok(());
+    }
+    let message = format!(
+        "layers of emitted, direct and indirect light: {} does not count how often light was scattered; expected the integrator path \
+         or direct, or none of these layers",
+        integrator.name()
+    );
+    Err(Error::new(ErrorKind::Unsupported, message))
+}
+
 /// Refuses to share hits among pixels for an integrator, settings or a scene with which that cannot be done: for each pixel of a
 /// group, the hits of the others count as its own, with the density that its own paths would have given them.
 ///

@@ -27,6 +27,9 @@ pub struct Sample<S, C: Spectrum = Rgb> {
     pub wavelengths: C::Wavelengths,
     /// The first hit of the ray, once it is known.
     pub first: Option<FirstHit>,
+    /// What of the radiance was emitted towards the camera, and what was scattered once, where [`LightParts`](super::LightParts) keeps
+    /// them apart.
+    pub parts: [C; 2],
 }
 
 impl<S, C: Spectrum> Sample<S, C> {
@@ -38,6 +41,7 @@ impl<S, C: Spectrum> Sample<S, C> {
             radiance: C::ZERO,
             wavelengths: C::Wavelengths::default(),
             first: None,
+            parts: [C::ZERO; 2],
         }
     }
 }
@@ -78,7 +82,23 @@ impl<C: Spectrum> Wave<C> {
         if scene.has_media() {
             self.trace_in_media(scene, samples, tracer, limits);
         } else {
-            self.trace_in::<false, S, T>(scene, samples, tracer, limits);
+            self.trace_in::<false, false, S, T>(scene, samples, tracer, limits);
+        }
+    }
+
+    /// The same, and keeps apart what was emitted towards the camera and what was scattered once.
+    #[inline(never)]
+    pub(super) fn trace_in_parts<S: Sampler, T: Tracer>(
+        &mut self,
+        scene: &Scene,
+        samples: &mut [Sample<S, C>],
+        tracer: &mut T,
+        limits: &Limits,
+    ) {
+        if scene.has_media() {
+            self.trace_in::<true, true, S, T>(scene, samples, tracer, limits);
+        } else {
+            self.trace_in::<false, true, S, T>(scene, samples, tracer, limits);
         }
     }
 
@@ -91,13 +111,13 @@ impl<C: Spectrum> Wave<C> {
         tracer: &mut T,
         limits: &Limits,
     ) {
-        self.trace_in::<true, S, T>(scene, samples, tracer, limits);
+        self.trace_in::<true, false, S, T>(scene, samples, tracer, limits);
     }
 
-    /// [`Self::trace`] in a scene with media (`MEDIA`) or in one without. The compiler makes both, so that a scene without
-    /// media pays nothing for them.
+    /// [`Self::trace`] in a scene with media (`MEDIA`) or in one without, and with parts of the light kept apart (`PARTS`) or not. The
+    /// compiler makes all of them, so that a render without media and parts pays nothing for them.
     #[inline(always)]
-    fn trace_in<const MEDIA: bool, S: Sampler, T: Tracer>(
+    fn trace_in<const MEDIA: bool, const PARTS: bool, S: Sampler, T: Tracer>(
         &mut self,
         scene: &Scene,
         samples: &mut [Sample<S, C>],
@@ -151,7 +171,7 @@ impl<C: Spectrum> Wave<C> {
             let mut kept = 0;
             for (i, hit) in hits.iter().enumerate() {
                 let number = active[i];
-                let Sample { sampler, first, wavelengths, .. } = &mut samples[number as usize];
+                let Sample { sampler, first, wavelengths, parts, .. } = &mut samples[number as usize];
                 let Some(hit) = hit else {
                     walks[number as usize].escape(scene, &rays[i], wavelengths);
                     continue;
@@ -173,6 +193,13 @@ impl<C: Spectrum> Wave<C> {
                         lights.push((number, light));
                     },
                 );
+                if PARTS {
+                    // Light samples of this hit come later, so that this is what hits up to here emit.
+                    let Walk { radiance, depth, .. } = walks[number as usize];
+                    if let Some(part) = (depth as usize).checked_sub(1).and_then(|part| parts.get_mut(part)) {
+                        *part = radiance;
+                    }
+                }
                 if let Some(next) = next {
                     if MEDIA && let Some(beyond) = vertex.media_beyond(scene, &next) {
                         media[number as usize] = beyond;
@@ -203,6 +230,13 @@ impl<C: Spectrum> Wave<C> {
         }
         for (sample, walk) in samples.iter_mut().zip(walks) {
             sample.radiance = walk.radiance;
+            if PARTS {
+                // Where the path ended earlier, all that it brought came by as few bounces.
+                let kept = (walk.depth as usize).min(2);
+                sample.parts[kept..].fill(walk.radiance);
+                let [emission, up_to_direct] = sample.parts;
+                sample.parts[1] = up_to_direct - emission;
+            }
         }
     }
 }

@@ -35,7 +35,7 @@ mod tone;
 use std::path::Path;
 use std::thread;
 
-use crate::image::{Image, check_image, exr, pfm, png};
+use crate::image::{Image, Layer, check_image, exr, pfm, png};
 use crate::math::DVec3;
 use crate::room::check_room;
 use crate::spectrum::Primaries;
@@ -128,7 +128,8 @@ fn in_primaries(image: &Image, primaries: Primaries) -> Image {
     };
     let mut image = image.clone();
     convert(&mut image.rgb);
-    image.layers.iter_mut().filter(|layer| layer.name == "albedo").for_each(|layer| convert(&mut layer.data));
+    let is_color = |layer: &&mut Layer| ["albedo", "emission", "direct", "indirect"].contains(&layer.name.as_str());
+    image.layers.iter_mut().filter(is_color).for_each(|layer| convert(&mut layer.data));
     image
 }
 

@@ -49,7 +49,7 @@ use crate::integrator::light_tracing::{LightPaths, LightPictures};
 use crate::integrator::photon::{Choice, Plan, choose};
 use crate::integrator::radiosity::{Radiosity, RadiosityPicture};
 use crate::integrator::reuse::PathReuse;
-use crate::integrator::{check_support, check_wavelengths, no_wavelengths};
+use crate::integrator::{check_light_parts, check_support, check_wavelengths, no_wavelengths};
 use crate::sampling::Filter;
 use crate::scene::Scene;
 use crate::spectrum::{Sensor, white_balance};
@@ -163,7 +163,13 @@ impl Render {
         let moving_camera = scene.moving_camera(seen)?.map(Arc::new);
         // The normally distributed pattern is itself a pixel filter.
         let filter_desc = if desc.sampler == SamplerDesc::Gaussian { FilterDesc::Box } else { desc.filter };
-        let choice = (desc.integrator.info().preparation == Preparation::Choice).then(|| choose(scene));
+        let choice = (desc.integrator.info().preparation == Preparation::Choice).then(|| match settings.light_parts {
+            false => choose(scene),
+            true => Choice {
+                integrator: IntegratorDesc::Path,
+                why: "light is kept apart by how often it was scattered".to_owned(),
+            },
+        });
         let integrator = choice.as_ref().map_or(desc.integrator, |choice| choice.integrator);
         settings.check_sensor()?;
         if desc.spectral {
@@ -174,7 +180,12 @@ impl Render {
         }
         let wanted = Wanted::of(scene, &settings, integrator, method.as_ref().map(Method::place_name))?;
         match method {
-            None => check_support(scene, integrator)?,
+            None => {
+                check_support(scene, integrator)?;
+                if settings.light_parts {
+                    check_light_parts(integrator)?;
+                }
+            }
             Some(_) if scene.has_moving_world() => {
                 let message = "something moves while the shutter is open, which light at given points does not show; expected a \
                     shutter that closes as it opens";
@@ -210,6 +221,7 @@ impl Render {
             resolution: desc.film_size(),
             placement: placement(desc, if is_of_places { 1.0 } else { scene.camera().pixel_aspect() }),
             auxiliary: settings.auxiliary,
+            light_parts: settings.light_parts,
             share: pass_samples.unwrap_or(1),
             weighted: matches!(filter_desc, FilterDesc::Mitchell { .. }),
             gathering: plan.as_ref().is_some_and(Maps::remembers),

@@ -17,7 +17,9 @@ use crate::desc::{RenderDesc, SamplerDesc};
 use crate::film::{Film, PixelPhotonState, PixelSample, REPLICATES, TILE};
 use crate::integrator::light_tracing::{LightPaths, LightPictures};
 use crate::integrator::reuse::GROUP;
-use crate::integrator::{Context, Direct, Irradiance, LitPath, Path, Probes, Sample, Tracer, Transport, Whitted};
+use crate::integrator::{
+    Context, Direct, Irradiance, LightParts, LitPath, Path, Probes, Sample, Tracer, Transport, Whitted,
+};
 use crate::math::{DMat3, Ray};
 use crate::sampling::{AnySampler, Filter, Pattern, PatternSampler, Sampler, SobolSampler};
 use crate::scene::{Backplate, Hit, Scene};
@@ -295,7 +297,8 @@ impl<I: Transport<C>, C: Spectrum> Measurement for CameraRadiance<'_, I, C> {
         if I::IN_WAVES {
             self.0.li_of_many(&pass.input.scene, samples, ends, memory, tracer);
         } else {
-            for (job, Sample { ray, sampler, radiance, first, wavelengths }) in jobs.iter_mut().zip(samples.iter_mut())
+            for (job, Sample { ray, sampler, radiance, first, wavelengths, .. }) in
+                jobs.iter_mut().zip(samples.iter_mut())
             {
                 *first = None;
                 let first = &mut |hit| *first = Some(hit);
@@ -330,6 +333,7 @@ fn show_backplate<S, C: Spectrum>(
         };
         let color = backplate.radiance_at(job.place(), pass.input.desc.resolution);
         sample.radiance = left * C::from_emission(color, &sample.wavelengths);
+        sample.parts = [sample.radiance, C::ZERO];
     }
 }
 
@@ -405,6 +409,10 @@ impl SharedWork for Pass {
         let path = Path { first_shadow_rays, ..Path::new(max_depth, shadow_rays) };
         let is_spectral = self.input.desc.spectral;
         match &self.input.method {
+            Method::Path if self.input.film.options().light_parts => self.in_parts(&path.into(), pause),
+            Method::Direct if self.input.film.options().light_parts => {
+                self.in_parts(&Direct { shadow_rays }.into(), pause)
+            }
             Method::Path if is_spectral => self.in_wavelengths(&path, pause),
             Method::Reuse(reuse) => {
                 let reuse = reuse.clone().with_first_shadow_rays(first_shadow_rays);
@@ -547,6 +555,18 @@ impl Pass {
         self.with_measurement(&CameraRadiance(integrator, PhantomData::<Rgb>), pause)
     }
 
+    /// Takes the samples of paths that keep parts of the light apart.
+    #[cold]
+    #[inline(never)]
+    fn in_parts(&self, paths: &LightParts, pause: &mut dyn FnMut() -> bool) -> bool {
+        let sampler = self.sampler();
+        if self.input.desc.spectral {
+            self.all_tiles(&CameraRadiance(paths, PhantomData::<SampledSpectrum>), &sampler, pause)
+        } else {
+            self.all_tiles(&CameraRadiance(paths, PhantomData::<Rgb>), &sampler, pause)
+        }
+    }
+
     /// Takes the samples of an integrator whose paths carry wavelengths.
     ///
     /// The code is compiled for one type of sampler, because that for wavelengths is as large as that for colours.
@@ -684,7 +704,7 @@ impl Pass {
         let options = self.input.film.options();
         let origin = self.input.film.origin();
         let mut tile = self.input.film.tile(tile);
-        for (job, Sample { radiance, wavelengths, first, .. }) in batch.jobs.iter().zip(&batch.samples) {
+        for (job, Sample { radiance, wavelengths, first, parts, .. }) in batch.jobs.iter().zip(&batch.samples) {
             let Some(index) = job.index else { continue };
             let is_blind = self.input.has_rim && !self.sees(job);
             let mut radiance = if is_blind { Rgb::ZERO } else { radiance.to_film(wavelengths, self.input.sensor) };
@@ -692,9 +712,12 @@ impl Pass {
                 let [x, y] = [0, 1].map(|axis| job.pixel[axis] - origin[axis]);
                 radiance += light.pictures.light(job.sample, (y * options.resolution[0] + x) as usize);
             }
-            if let Some(white) = &self.input.white_balance {
-                radiance = Rgb::from_f64(*white * radiance.to_f64());
-            }
+            radiance = self.white_balanced(radiance);
+            let parts = if options.light_parts && !is_blind {
+                parts.map(|part| self.white_balanced(part.to_film(wavelengths, self.input.sensor)))
+            } else {
+                [Rgb::ZERO; 2]
+            };
             if let Some(replay) = &self.replay {
                 if replay.is_of(index) {
                     replay.record(radiance, rays);
@@ -711,8 +734,13 @@ impl Pass {
             };
             let first = first.map(|hit| (hit.albedo, hit.normal, depth(hit.p)));
             let (weight, gathering) = (job.weight, job.gathering);
-            tile.add_sample(index, PixelSample { radiance, weight, gathering, first }, options.share);
+            tile.add_sample(index, PixelSample { radiance, weight, gathering, first, parts }, options.share);
         }
+    }
+
+    #[inline]
+    fn white_balanced(&self, radiance: Rgb) -> Rgb {
+        self.input.white_balance.as_ref().map_or(radiance, |white| Rgb::from_f64(*white * radiance.to_f64()))
     }
 
     /// Whether the camera sees anything at a sample's place of the film.

@@ -46,7 +46,7 @@ impl Render {
             ..settings.desc
         };
         let path = Path::new(desc.max_depth, desc.shadow_rays);
-        let settings = RenderSettings { desc, auxiliary: false, ..settings };
+        let settings = RenderSettings { desc, auxiliary: false, light_parts: false, ..settings };
         Self::with_method(scene, settings, Some(Method::Irradiance(Irradiance::new(sites, path, front))))
     }
 
@@ -85,7 +85,7 @@ impl Render {
         let path = Path::new(desc.max_depth, desc.shadow_rays);
         // Few points are no image whose pixels could be chosen among, and nobody asked for that.
         let adaptive = settings.adaptive.or(((probes.len() as u64) < MIN_PIXELS).then_some(false));
-        let settings = RenderSettings { desc, adaptive, auxiliary: false, ..settings };
+        let settings = RenderSettings { desc, adaptive, auxiliary: false, light_parts: false, ..settings };
         Self::with_method(scene, settings, Some(Method::Probes(Probes::new(scene, probes, quantity, path))))
     }
 }

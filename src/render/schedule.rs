@@ -227,6 +227,7 @@ mod tests {
             resolution: [3840, 2160],
             placement: None,
             auxiliary: true,
+            light_parts: false,
             share: 1,
             weighted: false,
             gathering: false,

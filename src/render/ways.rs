@@ -73,6 +73,9 @@ pub(super) struct Ways {
     pub cache: Option<bool>,
 }
 
+/// Why each path is by itself where light is kept apart.
+const APART: &str = "light is kept apart by how often it was scattered, which each path counts for itself";
+
 impl Wanted {
     /// What the settings say. `place`: what is rendered, where that is no picture.
     ///
@@ -104,6 +107,9 @@ impl Wanted {
                 let why = "adaptive sampling gives neighbouring pixels different numbers of samples";
                 no_reuse(why, "false, or the same number of samples in all pixels")?;
             }
+            if settings.light_parts {
+                no_reuse(APART, "false, or no layers of emitted, direct and indirect light")?;
+            }
             Ok(())
         })?;
         let light_paths = decide(desc.light_paths, &|| {
@@ -114,6 +120,9 @@ impl Wanted {
             if adaptive {
                 let why = "adaptive sampling gives pixels different numbers of samples, and light paths are those of all pixels";
                 no_light_paths(why, "false, or the same number of samples in all pixels")?;
+            }
+            if settings.light_parts {
+                no_light_paths(APART, "false, or no layers of emitted, direct and indirect light")?;
             }
             Ok(())
         })?;
@@ -161,6 +170,9 @@ pub(super) fn why_no_cache(
     let is_asked = settings.desc.integrator == IntegratorDesc::Auto && integrator == IntegratorDesc::Path;
     if !is_asked {
         return Some("the integrator is another one");
+    }
+    if settings.light_parts {
+        return Some("the cache does not keep light apart by how often it was scattered");
     }
     if settings.target_error.is_some() {
         return Some("an error ends the render, and estimates do not know the bias");

@@ -333,6 +333,42 @@ static void pass_files(etd_device *device, etd_scene *scene) {
     remove("checkpoint-read.pfm");
 }
 
+/* Emitted, direct and indirect light: a film of any of them keeps all three, through a file as well, and their sum is the colour. */
+static void pass_light(etd_device *device, etd_scene *scene) {
+    static const etd_layer kinds[] = {ETD_LAYER_EMISSION, ETD_LAYER_DIRECT, ETD_LAYER_INDIRECT};
+    etd_film *film = new_film(device, WIDTH, HEIGHT, ETD_LAYER_DIRECT), *read = NULL;
+    etd_film_options asked = ETD_FILM_OPTIONS_INIT;
+    etd_render_options options = short_render(4);
+    static float color[PIXELS], again[WIDTH * HEIGHT * 3], parts[3][WIDTH * HEIGHT * 3];
+    struct bytes bytes;
+    size_t i, part;
+    CHECK_OK(etd_render(scene, film, &options));
+    bytes = saved(film);
+    asked.layers = ETD_LAYER_EMISSION | ETD_LAYER_DIRECT | ETD_LAYER_INDIRECT;
+    CHECK_OK(etd_film_load_memory(device, bytes.data, bytes.size, &asked, &read));
+    CHECK_OK(etd_film_copy(read, ETD_LAYER_COLOR, NULL, color, sizeof color, 0));
+    for (part = 0; part < 3; ++part) {
+        float largest = 0;
+        CHECK_OK(etd_film_copy(read, kinds[part], NULL, parts[part], sizeof parts[part], 0));
+        for (i = 0; i < WIDTH * HEIGHT * 3; ++i)
+            if (parts[part][i] > largest) largest = parts[part][i];
+        CHECK(largest > 0 || kinds[part] == ETD_LAYER_EMISSION);
+    }
+    for (i = 0; i < WIDTH * HEIGHT * 3; ++i) {
+        const float off = parts[0][i] + parts[1][i] + parts[2][i] - color[i / 3 * 4 + i % 3];
+        CHECK(off < 1e-4f && off > -1e-4f);
+    }
+    CHECK_OK(etd_film_copy(film, ETD_LAYER_DIRECT, NULL, again, sizeof again, 0));
+    CHECK(memcmp(again, parts[1], sizeof again) == 0);
+    CHECK_STATUS(etd_film_copy(film, ETD_LAYER_INDIRECT, NULL, again, sizeof again, 0), ETD_INVALID_OPERATION);
+    options.integrator = ETD_INTEGRATOR_SPPM;
+    CHECK_STATUS(etd_render(scene, film, &options), ETD_UNSUPPORTED);
+    CHECK(message_has("sppm does not count how often light was scattered"));
+    etd_film_release(read);
+    etd_film_release(film);
+    free(bytes.data);
+}
+
 /* Layers that the films keep. */
 static void pass_layers(etd_device *device, etd_scene *scene) {
     const uint32_t layers = ETD_LAYER_NORMAL | ETD_LAYER_ALPHA | ETD_LAYER_STANDARD_ERROR;
@@ -360,6 +396,9 @@ static void pass_layers(etd_device *device, etd_scene *scene) {
     read = NULL;
     CHECK_STATUS(etd_film_load_memory(device, small.data, small.size, &asked, &read), ETD_UNSUPPORTED);
     CHECK(message_has("first hits"));
+    asked.layers = ETD_LAYER_INDIRECT;
+    CHECK_STATUS(etd_film_load_memory(device, small.data, small.size, &asked, &read), ETD_UNSUPPORTED);
+    CHECK(message_has("parts of the light"));
     asked.layers = ETD_LAYER_STANDARD_ERROR;
     asked.width = WIDTH;
     CHECK_STATUS(etd_film_load_memory(device, small.data, small.size, &asked, &read), ETD_UNSUPPORTED);
@@ -368,7 +407,7 @@ static void pass_layers(etd_device *device, etd_scene *scene) {
     CHECK_OK(etd_film_load_memory(device, small.data, small.size, &asked, &read));
     etd_film_release(read);
     read = NULL;
-    asked.layers = 512;
+    asked.layers = 4096;
     CHECK_STATUS(etd_film_load_memory(device, small.data, small.size, &asked, &read), ETD_INVALID_ARGUMENT);
     asked.layers = 0;
     asked.reserved = 1;
@@ -723,6 +762,7 @@ int main(void) {
     pass_interruptions(device, scene, ETD_INTEGRATOR_PATH);
     pass_interruptions(device, scene, ETD_INTEGRATOR_SPPM);
     pass_files(device, scene);
+    pass_light(device, scene);
     pass_layers(device, scene);
     pass_other_renders(device);
     pass_states(device, scene);

@@ -569,7 +569,7 @@ static void pass_wrong_enumerations(void) {
         {"primaries of a file", e_primaries_write, ETD_PRIMARIES_XYZ},
         {"text", e_text, ETD_TEXT_WARNINGS},
     };
-    static const uint32_t layers[] = {0, 3, ETD_LAYER_ALPHA, 129, 512, UINT32_MAX};
+    static const uint32_t layers[] = {0, 3, ETD_LAYER_ALPHA, 129, 4096, UINT32_MAX};
     size_t i, k;
     for (i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         const uint32_t wrong[] = {cases[i].last + 1, 100, 0x80000000u, UINT32_MAX};
@@ -597,9 +597,9 @@ static void pass_wrong_enumerations(void) {
         etd_film *made = NULL;
         CHECK_STATUS(etd_film_map(film, ETD_LAYER_DEPTH, &map), ETD_INVALID_OPERATION); /* not kept */
         options.width = options.height = 4;
-        options.layers = 512;
+        options.layers = 4096;
         CHECK_STATUS(etd_film_new(device, &options, &made), ETD_INVALID_ARGUMENT);
-        options.layers = 511;
+        options.layers = 4095;
         options.reserved = 1;
         CHECK_STATUS(etd_film_new(device, &options, &made), ETD_INVALID_ARGUMENT);
         options.reserved = 0;

@@ -64,6 +64,9 @@ pub(in super::super) struct FilmHeader {
     /// Whether the film is the whole picture, with square pixels.
     is_picture: bool,
     auxiliary: bool,
+    /// Files of before there were parts of the light do not say.
+    #[serde(default)]
+    light_parts: bool,
     share: u32,
     weighted: bool,
     gathering: bool,
@@ -126,11 +129,22 @@ impl From<ErrorMeasure> for Measure {
 
 impl From<&FilmOptions> for FilmHeader {
     fn from(options: &FilmOptions) -> Self {
-        let FilmOptions { resolution, placement, auxiliary, share, weighted, gathering } = *options;
+        let FilmOptions { resolution, placement, auxiliary, light_parts, share, weighted, gathering } = *options;
         let Placement { origin, picture, pixel_aspect } =
             placement.unwrap_or(Placement { origin: [0; 2], picture: resolution, pixel_aspect: 1.0 });
         let is_picture = placement.is_none();
-        Self { resolution, origin, picture, pixel_aspect, is_picture, auxiliary, share, weighted, gathering }
+        Self {
+            resolution,
+            origin,
+            picture,
+            pixel_aspect,
+            is_picture,
+            auxiliary,
+            light_parts,
+            share,
+            weighted,
+            gathering,
+        }
     }
 }
 
@@ -162,8 +176,8 @@ pub(super) fn bands(sensor: Sensor) -> Option<[f64; 2]> {
 impl Header {
     /// The options of the film, of which not all are possible in a file that was changed.
     pub fn film_options(&self) -> Result<FilmOptions> {
-        let FilmHeader { resolution, origin, picture, pixel_aspect, is_picture, auxiliary, share, weighted, gathering } =
-            self.film;
+        let FilmHeader { resolution, origin, picture, pixel_aspect, is_picture, .. } = self.film;
+        let FilmHeader { auxiliary, light_parts, share, weighted, gathering, .. } = self.film;
         let pixels = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
         let is_inside = (0..2).all(|axis| origin[axis].saturating_add(resolution[axis]) <= picture[axis]);
         let is_possible = (1..=MAX_PIXELS).contains(&pixels(resolution)) && pixels(picture) <= MAX_PIXELS && is_inside;
@@ -177,7 +191,7 @@ impl Header {
             return Err(damaged(&format!("its header is of no render: {:?}, {MAX_SHARES} parts at most", self.film)));
         }
         let placement = (!is_picture).then_some(Placement { origin, picture, pixel_aspect });
-        Ok(FilmOptions { resolution, placement, auxiliary, share, weighted, gathering })
+        Ok(FilmOptions { resolution, placement, auxiliary, light_parts, share, weighted, gathering })
     }
 
     /// What pixels have in common.

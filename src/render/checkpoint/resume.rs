@@ -18,7 +18,7 @@ impl Render {
     ///
     /// Scene and settings must be those of the checkpoint. These may differ: the number of samples with the samplers `Sobol` and
     /// `Random`, the time limit, the target error, threads, and the plan of further checkpoints. `adaptive`, `reuse`, `light_paths`,
-    /// `first_shadow_rays`, `share` and the layers of first hits are those of the checkpoint where the settings leave them open. With more samples than the render was
+    /// `first_shadow_rays`, `share` and the layers of first hits and of parts of the light are those of the checkpoint where the settings leave them open. With more samples than the render was
     /// begun with, an adaptive render chooses among pixels at other numbers of samples than one that was begun with as many, and what
     /// [`IntegratorDesc::Auto`] chose for fewer samples stays.
     ///
@@ -31,7 +31,8 @@ impl Render {
         let adaptive = settings.adaptive.or(Some(header.adaptive.is_some()));
         let share = settings.share.or(header.share());
         let auxiliary = settings.auxiliary || film.options().auxiliary;
-        let mut render = Self::new(scene, RenderSettings { adaptive, share, auxiliary, ..settings })?;
+        let light_parts = settings.light_parts || film.options().light_parts;
+        let mut render = Self::new(scene, RenderSettings { adaptive, share, auxiliary, light_parts, ..settings })?;
         // Of light paths that were asked for, there are none in a scene without what they would meet.
         let light_paths = render.desc.light_paths.and(render.ways().light_paths);
         let RenderDesc { reuse, first_shadow_rays, .. } = *render.desc;

@@ -279,5 +279,5 @@ fn render_square(input: PassInput, origin: [u32; 2], token: Cancel) -> Result<(A
 fn film(input: &PassInput, origin: [u32; 2]) -> Result<Film> {
     let placement = Some(Placement { origin, picture: input.desc.resolution, pixel_aspect: 1.0 });
     let options = input.film.options();
-    Film::new(FilmOptions { resolution: [SQUARE; 2], placement, auxiliary: false, ..*options })
+    Film::new(FilmOptions { resolution: [SQUARE; 2], placement, auxiliary: false, light_parts: false, ..*options })
 }

@@ -3,6 +3,7 @@
 pub mod form_factors;
 mod furnace;
 mod guides;
+mod parts;
 mod rays;
 mod refraction;
 pub mod rooms;
@@ -16,10 +17,18 @@ use etendue::scene::{BuildOptions, Scene};
 use etendue::spectrum::Rgb;
 
 pub fn cases() -> Vec<Entry> {
-    [furnace::cases(), rooms::cases(), form_factors::cases(), refraction::cases(), guides::cases(), whole::cases()]
-        .into_iter()
-        .flatten()
-        .collect()
+    [
+        furnace::cases(),
+        rooms::cases(),
+        form_factors::cases(),
+        refraction::cases(),
+        guides::cases(),
+        whole::cases(),
+        parts::cases(),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
 }
 
 /// Mean of an image and its standard error.
