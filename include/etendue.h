@@ -978,11 +978,12 @@ enum etd_layer
      */
     ETD_LAYER_EMISSION = 512,
     /**
-     * Light that was scattered once, by the surface that the camera sees: 3 channels. Mirrors and glass scatter, too.
+     * Light that was scattered once, by the surface that the camera sees, [W m^-2 sr^-1]: 3 channels. Mirrors and glass scatter, too.
      */
     ETD_LAYER_DIRECT = 1024,
     /**
-     * Light that was scattered more than once: 3 channels.
+     * Light that was scattered more than once, [W m^-2 sr^-1]: 3 channels. Like the colour, parts may be below 0 with wavelengths and with
+     * filters that are; where there is no indirect light, rounding may leave some that is hardly any.
      */
     ETD_LAYER_INDIRECT = 2048,
 };
@@ -2287,8 +2288,8 @@ typedef struct etd_render_options {
      * An `etd_switch`: whether pixels in groups of 16 share the second hits of their paths, by `ETD_INTEGRATOR_PATH` alone. Most
      * scenes take less time to the same error so, and the picture stays unbiased, but the errors of neighbouring pixels, within squares of
      * 8 x 8, are correlated. On is refused with `spectral`, with `adaptive` on, for light maps and light at given points, and for scenes in which
-     * something moves, is not opaque, or has media that absorb or have priorities. By default, a pilot of a long render says, where it is not
-     * refused.
+     * something moves, is not opaque, or has media that absorb or have priorities, and for films of emitted, direct or indirect light. By
+     * default, a pilot of a long render says, where it is not refused.
      */
     etd_switch reuse;
     /**
@@ -4853,7 +4854,7 @@ etd_status etd_scene_get_material_texture(const struct etd_scene *scene,
  *
  * `options` must contain the resolution. Any number of renders may use the film, one at a time. On `ETD_OK`, `*out_film` is
  * one reference. Errors: `ETD_INVALID_ARGUMENT` for a resolution out of range or a layer that does not exist,
- * `ETD_OUT_OF_MEMORY` if the film exceeds the device's memory limit. A film takes 240 to 450 bytes for each pixel of its tiles
+ * `ETD_OUT_OF_MEMORY` if the film exceeds the device's memory limit. A film takes 240 to 560 bytes for each pixel of its tiles
  * of 16 x 16 pixels, which count as a whole. Mapped images beyond the second do not count. Thread-safe.
  */
 etd_status etd_film_new(struct etd_device *device,
@@ -4916,7 +4917,8 @@ etd_status etd_film_copy(const struct etd_film *film,
 /**
  * Writes the current image of a film to a file: `.png` (8-bit sRGB), `.exr` (float, with layers) or `.pfm` (float).
  *
- * An EXR contains the layers `samples` and `variance`, and, if the film keeps any of them, albedo, normal and depth. Its header
+ * An EXR contains the layers `samples` and `variance`, and, if the film keeps any of them, albedo,
+ * normal and depth, or emission, direct and indirect light; by progressive photon methods also `bias`. Its header
  * contains the summary of the render (`relMSE`, `relMSEStandardError`, `displayError`, `samplesPerPixel`, `rays`, `ended`). A
  * file at `path` is replaced in one step, so that no incomplete file ever appears there. `path`: UTF-8. `options`: NULL for a
  * clamped sRGB picture without comments. Errors: `ETD_IO`, `ETD_UNSUPPORTED` for another extension, `ETD_INVALID_OPERATION`

@@ -179,6 +179,22 @@ fn parts_of_the_light_go_on_without_being_asked_for_and_cannot_be_added() {
     let adding = RenderSettings { light_parts: true, ..without.clone() };
     let error = Render::resume(&scene, adding, part_way(&without)).err().expect("earlier samples have no parts");
     assert!(error.message().contains("other layers"), "{error}");
+
+    // No render shares hits and keeps parts of the light apart.
+    let begun = bytes(&part_way(&asked));
+    let length = u32::from_le_bytes(begun[12..16].try_into().unwrap()) as usize;
+    let header = std::str::from_utf8(&begun[16..16 + length]).unwrap();
+    for (from, to) in [("\"reuse\":false", "\"reuse\":true"), ("\"lightPaths\":0", "\"lightPaths\":9")] {
+        let header = header.replace(from, to);
+        assert!(header.contains(to), "{header}");
+        let mut forged = begun[..12].to_vec();
+        forged.extend((header.len() as u32).to_le_bytes());
+        forged.extend(header.into_bytes());
+        forged.extend(crc32fast::hash(&forged).to_le_bytes());
+        forged.extend(&begun[16 + length + 4..]);
+        let message = Checkpoint::read_from(&forged[..]).unwrap_err().to_string();
+        assert!(message.contains("its header is of no render"), "{message}");
+    }
 }
 
 /// Nothing to aim at, or no lamp: a render without them all the same.

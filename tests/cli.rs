@@ -530,9 +530,17 @@ fn light_layers_add_up_to_the_picture() {
     for layer in [emission, direct, indirect] {
         assert!(layer.iter().any(|value| *value > 0.0));
     }
-    for (i, whole) in parts.rgb.iter().enumerate() {
-        assert!((emission[i] + direct[i] + indirect[i] - whole).abs() <= 1e-5 * whole.max(1.0), "value {i}");
-    }
+    let adds_up = |image: &Image| {
+        let of = |name: &str, i: usize| image.layer(name).unwrap().data[i];
+        let sum = |i| ["emission", "direct", "indirect"].into_iter().map(|name| of(name, i)).sum::<f32>();
+        image.rgb.iter().enumerate().all(|(i, whole)| (sum(i) - whole).abs() <= 1e-5 * whole.max(1.0))
+    };
+    assert!(adds_up(&parts));
+    // In other primaries, under another white, and with weights below 0.
+    let other = ["--primaries", "xyz", "--white-balance", "A", "--filter", "mitchell"];
+    render(&[&["--light-layers", "-o", "other.exr"], &other[..]].concat()).assert_done();
+    let other = output::read(&folder.path().join("other.exr")).unwrap();
+    assert!(other.rgb != parts.rgb && adds_up(&other));
     // Of a checkpoint, which has them without being asked for.
     render(&["--light-layers", "--checkpoint", "a.etd"]).assert_done();
     etendue(folder.path(), ["merge", "a.etd", "-o", "merged.exr"]).assert_done();

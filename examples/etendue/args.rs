@@ -131,7 +131,7 @@ pub struct RenderArgs {
     #[arg(default_missing_value = "on", hide_possible_values = true)]
     pub spectral: Option<Switch>,
     /// Layers of an EXR for light by how often it was scattered on its way from its emitter: emission (not at all), direct (once) and
-    /// indirect. With the integrators path and direct.
+    /// indirect. With the integrators path, direct and auto, which is then path.
     #[arg(long)]
     pub light_layers: bool,
     /// Layers of an EXR for the mean spectral radiance over so many bands of equal width, 3 to 512. With --spectral.

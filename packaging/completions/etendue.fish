@@ -113,7 +113,7 @@ rec2020\t'Rec. 2020, white D65'
 acescg\t'ACEScg, adapted to its white'
 xyz\t'Tristimulus values of CIE 1931'"
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l exposure -d 'Brightness of a PNG in stops: 1 doubles it' -r
-complete -c etendue -n "__fish_etendue_using_subcommand render" -l light-layers -d 'Layers of an EXR for light by how often it was scattered on its way from its emitter: emission (not at all), direct (once) and indirect. With the integrators path and direct'
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l light-layers -d 'Layers of an EXR for light by how often it was scattered on its way from its emitter: emission (not at all), direct (once) and indirect. With the integrators path, direct and auto, which is then path'
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l progressive -d 'Rewrite the images after each pass'
 complete -c etendue -n "__fish_etendue_using_subcommand render" -s q -l quiet -d 'No progress and no summary; warnings and errors stay'
 complete -c etendue -n "__fish_etendue_using_subcommand render" -s h -l help -d 'Print help (see more with \'--help\')'

@@ -360,7 +360,7 @@ pub unsafe extern "C" fn etd_film_merge(
         let parts: Vec<Checkpoint> = held.iter_mut().filter_map(Held::take).collect();
         let device = first.device();
         let options = parts.first().map(|part| *part.film().options());
-        let options = options.ok_or_else(|| Failure::argument("count is 0, expected 1 or more"))?;
+        let options = options.ok_or_else(|| Failure::operation("nothing was rendered to the films"))?;
         let charged = charge(device, &options, first.layers())?;
         let whole = Checkpoint::merge(parts).map_err(|error| match Failure::from(error) {
             failure if failure.status == ETD_INVALID_SCENE => Failure { status: ETD_INVALID_ARGUMENT, ..failure },

@@ -404,7 +404,7 @@ fn zeros(count: usize) -> Result<Vec<f32>> {
 ///
 /// `options` must contain the resolution. Any number of renders may use the film, one at a time. On `ETD_OK`, `*out_film` is
 /// one reference. Errors: `ETD_INVALID_ARGUMENT` for a resolution out of range or a layer that does not exist,
-/// `ETD_OUT_OF_MEMORY` if the film exceeds the device's memory limit. A film takes 240 to 450 bytes for each pixel of its tiles
+/// `ETD_OUT_OF_MEMORY` if the film exceeds the device's memory limit. A film takes 240 to 560 bytes for each pixel of its tiles
 /// of 16 x 16 pixels, which count as a whole. Mapped images beyond the second do not count. Thread-safe.
 ///
 /// # Safety
@@ -455,9 +455,11 @@ pub(super) fn check_layers(options: &etd_film_options) -> Result {
 pub(super) fn charge(device: &etd_device, film: &FilmOptions, layers: u32) -> crate::Result<Charge> {
     let channels: usize =
         LAYERS.iter().filter(|(layer, _)| layers & *layer as u32 != 0).map(|(_, kind)| kind.channels()).sum();
+    // What photons leave in a pixel is not known when a film is made.
+    let kept = FilmOptions { gathering: false, ..*film }.bytes_in_memory();
     let pixels: u64 = film.resolution.map(u64::from).iter().product();
     let in_tiles: u64 = film.resolution.map(|side| u64::from(side.div_ceil(TILE) * TILE)).iter().product();
-    let bytes = in_tiles * film.bytes_in_memory() as u64 + pixels * 2 * 4 * (4 + channels as u64);
+    let bytes = in_tiles * kept as u64 + pixels * 2 * 4 * (4 + channels as u64);
     device.budget.try_charge(usize::try_from(bytes).unwrap_or(usize::MAX))
 }
 
@@ -668,7 +670,8 @@ pub unsafe extern "C" fn etd_film_copy(
 
 /// Writes the current image of a film to a file: `.png` (8-bit sRGB), `.exr` (float, with layers) or `.pfm` (float).
 ///
-/// An EXR contains the layers `samples` and `variance`, and, if the film keeps any of them, albedo, normal and depth. Its header
+/// An EXR contains the layers `samples` and `variance`, and, if the film keeps any of them, albedo,
+/// normal and depth, or emission, direct and indirect light; by progressive photon methods also `bias`. Its header
 /// contains the summary of the render (`relMSE`, `relMSEStandardError`, `displayError`, `samplesPerPixel`, `rays`, `ended`). A
 /// file at `path` is replaced in one step, so that no incomplete file ever appears there. `path`: UTF-8. `options`: NULL for a
 /// clamped sRGB picture without comments. Errors: `ETD_IO`, `ETD_UNSUPPORTED` for another extension, `ETD_INVALID_OPERATION`

@@ -68,12 +68,14 @@ pub struct Shown(Vec<u64>);
 impl FilmOptions {
     /// Bytes of memory that a pixel takes.
     pub(crate) fn bytes_in_memory(&self) -> usize {
-        let kept = [
-            (self.auxiliary, size_of::<Auxiliary>()),
-            (self.light_parts, size_of::<LightSums>()),
-            (self.gathering, size_of::<PixelPhotonState>()),
-        ];
-        size_of::<Pixel>() + kept.iter().filter(|(is_kept, _)| *is_kept).map(|(_, bytes)| bytes).sum::<usize>()
+        let kept = [size_of::<Auxiliary>(), size_of::<LightSums>(), size_of::<PixelPhotonState>()];
+        size_of::<Pixel>() + self.sum_of_kept(kept)
+    }
+
+    /// Bytes of what the film keeps for a pixel beside its sums, of first hits, parts of the light and photon state.
+    fn sum_of_kept(&self, bytes: [usize; 3]) -> usize {
+        let is_kept = [self.auxiliary, self.light_parts, self.gathering];
+        bytes.into_iter().zip(is_kept).map(|(bytes, is_kept)| if is_kept { bytes } else { 0 }).sum()
     }
 }
 
@@ -85,7 +87,7 @@ pub(crate) struct Tile {
     /// One for each pixel; empty where the film has no auxiliary layers.
     pub auxiliary: Vec<Auxiliary>,
     /// One for each pixel; empty where the film keeps no parts of the light.
-    pub light: Vec<LightSums>,
+    pub light_sums: Vec<LightSums>,
     /// One for each pixel; empty where pixels have no photon state.
     pub gathering: Vec<PixelPhotonState>,
     /// Number of times that samples were added.
@@ -99,7 +101,7 @@ impl Tile {
         Self {
             pixels: vec![Pixel::default(); PIXELS_PER_TILE],
             auxiliary: vec![Auxiliary::default(); count(options.auxiliary)],
-            light: vec![LightSums::default(); count(options.light_parts)],
+            light_sums: vec![LightSums::default(); count(options.light_parts)],
             gathering: vec![PixelPhotonState::default(); count(options.gathering)],
             changes: 0,
         }
@@ -123,8 +125,8 @@ impl Tile {
             auxiliary.add(albedo, normal, depth);
         }
         // A sample that is not finite counts as black in its parts, too.
-        if let (Some(light), true) = (self.light.get_mut(index), sample.radiance.is_finite()) {
-            light.add(sample.parts, sample.weight);
+        if let (Some(sums), true) = (self.light_sums.get_mut(index), sample.radiance.is_finite()) {
+            sums.add(sample.parts, sample.weight);
         }
     }
 }
@@ -147,7 +149,7 @@ pub(crate) struct PixelSample {
 #[derive(Clone, Copy)]
 struct PixelExtras<'a> {
     auxiliary: Option<&'a Auxiliary>,
-    light: Option<&'a LightSums>,
+    light_sums: Option<&'a LightSums>,
     gathering: Option<&'a PixelPhotonState>,
 }
 
@@ -228,9 +230,9 @@ impl Film {
     pub(crate) fn copy_of(film: &Self) -> Result<Self> {
         let copy = Self::new(film.options)?;
         for (from, to) in film.tiles.iter().zip(&copy.tiles) {
-            let Tile { pixels, auxiliary, light, gathering, changes } = &*lock(from);
-            let (pixels, auxiliary, light) = (copied(pixels)?, copied(auxiliary)?, copied(light)?);
-            *lock(to) = Tile { pixels, auxiliary, light, gathering: copied(gathering)?, changes: *changes };
+            let Tile { pixels, auxiliary, light_sums, gathering, changes } = &*lock(from);
+            let (pixels, auxiliary, light_sums) = (copied(pixels)?, copied(auxiliary)?, copied(light_sums)?);
+            *lock(to) = Tile { pixels, auxiliary, light_sums, gathering: copied(gathering)?, changes: *changes };
         }
         Ok(copy)
     }
@@ -315,7 +317,7 @@ impl Film {
                     let place = y as usize * width as usize + x as usize;
                     let extras = PixelExtras {
                         auxiliary: tile.auxiliary.get(index),
-                        light: tile.light.get(index),
+                        light_sums: tile.light_sums.get(index),
                         gathering: tile.gathering.get(index),
                     };
                     visit(place, tile.pixels.get(index).unwrap_or(&unsampled), extras);
@@ -500,10 +502,10 @@ fn write_pixel(
     &FilmOptions { share, weighted, .. }: &FilmOptions,
     place: usize,
     pixel: &Pixel,
-    PixelExtras { auxiliary, light, gathering }: PixelExtras,
+    PixelExtras { auxiliary, light_sums, gathering }: PixelExtras,
     out: &mut [f32],
 ) {
-    let light = light.copied().unwrap_or_default();
+    let parts = || light_sums.copied().unwrap_or_default();
     let mean =
         |sum: Option<[f64; 3]>| sum.unwrap_or_default().map(|sum| (sum / f64::from(pixel.count().max(1))) as f32);
     let three = match layer {
@@ -511,11 +513,11 @@ fn write_pixel(
         LayerKind::Normal => mean(auxiliary.map(|auxiliary| auxiliary.normal)),
         LayerKind::Variance => pixel.variance(share).map(|variance| variance as f32),
         LayerKind::StandardError => pixel.variance(share).map(|variance| variance.sqrt() as f32),
-        LayerKind::Emission => pixel.mean_of(light.emission, weighted),
-        LayerKind::Direct => pixel.mean_of(light.direct, weighted),
+        LayerKind::Emission => pixel.mean_of(parts().emission, weighted),
+        LayerKind::Direct => pixel.mean_of(parts().direct, weighted),
         LayerKind::Indirect => {
-            let sum = pixel.sum();
-            let rest = std::array::from_fn(|channel| sum[channel] - light.emission[channel] - light.direct[channel]);
+            let (sum, LightSums { emission, direct }) = (pixel.sum(), parts());
+            let rest = std::array::from_fn(|channel| sum[channel] - emission[channel] - direct[channel]);
             pixel.mean_of(rest, weighted)
         }
         LayerKind::Bias => gathering.and_then(PixelPhotonState::bias).unwrap_or_default().map(|bias| bias as f32),

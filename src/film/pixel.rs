@@ -56,7 +56,7 @@ impl Pixel {
 
     /// Sum of all samples, times their weights.
     #[inline]
-    pub fn sum(&self) -> [f64; 3] {
+    pub(super) fn sum(&self) -> [f64; 3] {
         std::array::from_fn(|channel| self.sums.iter().map(|sum| sum[channel]).sum())
     }
 
@@ -66,7 +66,7 @@ impl Pixel {
     }
 
     /// The mean of a sum over the pixel's samples, as [`Pixel::mean`].
-    pub fn mean_of(&self, sum: [f64; 3], weighted: bool) -> [f32; 3] {
+    pub(super) fn mean_of(&self, sum: [f64; 3], weighted: bool) -> [f32; 3] {
         let total = if weighted && self.weight != 0.0 { self.weight } else { f64::from(self.count.max(1)) };
         sum.map(|sum| (sum / total) as f32)
     }

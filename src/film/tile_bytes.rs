@@ -47,8 +47,7 @@ pub(super) trait AsBytes: Sized {
 impl FilmOptions {
     /// Number of bytes of a pixel with all that the film keeps for it.
     pub(crate) fn bytes_of_a_pixel(&self) -> usize {
-        let kept = [(self.auxiliary, AUXILIARY), (self.light_parts, LIGHT), (self.gathering, PHOTONS)];
-        PIXEL + kept.iter().filter(|(is_kept, _)| *is_kept).map(|(_, bytes)| bytes).sum::<usize>()
+        PIXEL + self.sum_of_kept([AUXILIARY, LIGHT, PHOTONS])
     }
 }
 
@@ -97,8 +96,8 @@ impl Film {
             if let Some(auxiliary) = tile.auxiliary.get(index) {
                 auxiliary.put(out);
             }
-            if let Some(light) = tile.light.get(index) {
-                light.put(out);
+            if let Some(sums) = tile.light_sums.get(index) {
+                sums.put(out);
             }
             if let Some(gathering) = tile.gathering.get(index) {
                 gathering.put(out);
@@ -117,8 +116,8 @@ impl Film {
             if let Some(auxiliary) = tile.auxiliary.get_mut(index) {
                 *auxiliary = AsBytes::get(&mut bytes)?;
             }
-            if let Some(light) = tile.light.get_mut(index) {
-                *light = AsBytes::get(&mut bytes)?;
+            if let Some(sums) = tile.light_sums.get_mut(index) {
+                *sums = AsBytes::get(&mut bytes)?;
             }
             if let Some(gathering) = tile.gathering.get_mut(index) {
                 *gathering = AsBytes::get(&mut bytes)?;

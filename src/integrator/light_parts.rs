@@ -30,7 +30,7 @@ impl From<Direct> for LightParts {
 impl<C: Spectrum> Transport<C> for LightParts {
     type Memory = Wave<C>;
 
-    /// A path by itself.
+    /// A path by itself, whose parts nobody asks for.
     #[inline]
     fn li<S: Sampler, T: Tracer>(
         &self,

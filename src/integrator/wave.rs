@@ -248,7 +248,7 @@ mod tests {
     use crate::camera::Camera;
     use crate::desc;
     use crate::emitter::{Emitter, EmitterSet, EnvironmentEmitter, InfiniteBall};
-    use crate::integrator::{Direct, Integrator, Path, SceneTracer};
+    use crate::integrator::{Direct, Integrator, LightParts, Path, SceneTracer};
     use crate::sampling::{Pattern, PatternSampler, SobolSampler};
     use crate::scene::BuildOptions;
 
@@ -341,6 +341,7 @@ mod tests {
             let scene = Scene::build(&desc, &BuildOptions::default()).unwrap();
             assert!(scene.has_media());
             compare(&scene, &Path::new(None, 2), &sobol);
+            compare(&scene, &LightParts::from(Path::new(None, 2)), &sobol);
             if std::ptr::eq(text, &texts[0]) {
                 // Inside of the water, few samples find direct light.
                 compare(&scene, &Direct { shadow_rays: 1 }, &sobol);

@@ -163,13 +163,8 @@ impl Render {
         let moving_camera = scene.moving_camera(seen)?.map(Arc::new);
         // The normally distributed pattern is itself a pixel filter.
         let filter_desc = if desc.sampler == SamplerDesc::Gaussian { FilterDesc::Box } else { desc.filter };
-        let choice = (desc.integrator.info().preparation == Preparation::Choice).then(|| match settings.light_parts {
-            false => choose(scene),
-            true => Choice {
-                integrator: IntegratorDesc::Path,
-                why: "light is kept apart by how often it was scattered".to_owned(),
-            },
-        });
+        let choice = (desc.integrator.info().preparation == Preparation::Choice).then(|| choose(scene));
+        let choice = choice.map(|choice| if settings.light_parts { choice.for_light_parts() } else { choice });
         let integrator = choice.as_ref().map_or(desc.integrator, |choice| choice.integrator);
         settings.check_sensor()?;
         if desc.spectral {

@@ -408,11 +408,12 @@ impl SharedWork for Pass {
         let first_shadow_rays = self.input.first_shadow_rays;
         let path = Path { first_shadow_rays, ..Path::new(max_depth, shadow_rays) };
         let is_spectral = self.input.desc.spectral;
+        if self.input.film.options().light_parts {
+            let is_direct = matches!(self.input.method, Method::Direct);
+            let paths = if is_direct { Direct { shadow_rays }.into() } else { LightParts::from(path) };
+            return self.in_parts(&paths, pause);
+        }
         match &self.input.method {
-            Method::Path if self.input.film.options().light_parts => self.in_parts(&path.into(), pause),
-            Method::Direct if self.input.film.options().light_parts => {
-                self.in_parts(&Direct { shadow_rays }.into(), pause)
-            }
             Method::Path if is_spectral => self.in_wavelengths(&path, pause),
             Method::Reuse(reuse) => {
                 let reuse = reuse.clone().with_first_shadow_rays(first_shadow_rays);

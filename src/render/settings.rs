@@ -41,8 +41,8 @@ pub struct RenderSettings {
     pub auxiliary: bool,
     /// Whether the film keeps apart what was emitted towards the camera and what was scattered once from what was scattered more often,
     /// as the layers `emission`, `direct` and `indirect`. With [`IntegratorDesc::Path`](crate::desc::IntegratorDesc::Path), which
-    /// [`IntegratorDesc::Auto`](crate::desc::IntegratorDesc::Auto) then chooses, and `Direct`; pixels share no hits, and there are no
-    /// light paths.
+    /// [`IntegratorDesc::Auto`](crate::desc::IntegratorDesc::Auto) then chooses, and `Direct`; other integrators, `reuse` and
+    /// `light_paths` are refused, and no pilot chooses these two. Light maps and points have no such layers.
     pub light_parts: bool,
     /// What the channels of the film are, where `desc.spectral` says that paths carry wavelengths: the colours that the standard
     /// observer sees, or the means over three bands, to which the white balance does not apply.

@@ -34,9 +34,10 @@ pub enum etd_layer {
     /// the next two is the colour. Only the integrators path and direct, and auto, which is path for such a film, count how often light
     /// is scattered: a render by another one ends with `ETD_UNSUPPORTED`. Its pixels share no hits, and it has no light paths.
     ETD_LAYER_EMISSION = 512,
-    /// Light that was scattered once, by the surface that the camera sees: 3 channels. Mirrors and glass scatter, too.
+    /// Light that was scattered once, by the surface that the camera sees, [W m^-2 sr^-1]: 3 channels. Mirrors and glass scatter, too.
     ETD_LAYER_DIRECT = 1024,
-    /// Light that was scattered more than once: 3 channels.
+    /// Light that was scattered more than once, [W m^-2 sr^-1]: 3 channels. Like the colour, parts may be below 0 with wavelengths and with
+    /// filters that are; where there is no indirect light, rounding may leave some that is hardly any.
     ETD_LAYER_INDIRECT = 2048,
 }
 

@@ -290,8 +290,8 @@ pub struct etd_render_options {
     /// An `etd_switch`: whether pixels in groups of 16 share the second hits of their paths, by `ETD_INTEGRATOR_PATH` alone. Most
     /// scenes take less time to the same error so, and the picture stays unbiased, but the errors of neighbouring pixels, within squares of
     /// 8 x 8, are correlated. On is refused with `spectral`, with `adaptive` on, for light maps and light at given points, and for scenes in which
-    /// something moves, is not opaque, or has media that absorb or have priorities. By default, a pilot of a long render says, where it is not
-    /// refused.
+    /// something moves, is not opaque, or has media that absorb or have priorities, and for films of emitted, direct or indirect light. By
+    /// default, a pilot of a long render says, where it is not refused.
     pub reuse: EtdSwitch,
     /// An `etd_switch`: whether light paths, from lamps by way of mirrors and glass to what the camera sees, find caustics beside the paths
     /// from the camera, by `ETD_INTEGRATOR_PATH` alone. The picture stays unbiased. On is refused where `reuse` is, and with `max_depth`, the

@@ -23,6 +23,19 @@ pub struct Choice {
     pub why: String,
 }
 
+impl Choice {
+    /// The choice where light is kept apart by how often it was scattered, which paths alone count.
+    #[must_use]
+    pub(crate) fn for_light_parts(self) -> Self {
+        let apart = "light is kept apart by how often it was scattered";
+        let why = match self.integrator {
+            IntegratorDesc::Path => format!("{apart}, and {}", self.why),
+            other => format!("{apart}; without its layers it would be {}, since {}", other.name(), self.why),
+        };
+        Self { integrator: IntegratorDesc::Path, why }
+    }
+}
+
 /// Least share of the sphere of directions that a lamp fills, as seen from a diffuse point, for paths to find the lamp often
 /// enough by chance: paths that reach it through glass are then not much noisier than others.
 const LARGE: f64 = 1e-3;

@@ -187,7 +187,11 @@ impl Header {
         // A file is not to ask for more work than a pilot does.
         let has_paths = self.light_paths.is_none_or(|count| u64::from(count) <= pixels(picture).max(8));
         let has_samples = self.first_shadow_rays.is_none_or(|count| (1..=MAX_SHADOW_RAYS).contains(&count));
-        if !(is_possible && has_aspect && share > 0 && has_stage && has_part && has_paths && has_samples) {
+        // Parts of the light are those of paths by themselves.
+        let shares_light = self.reuse == Some(true) || self.light_paths.is_some_and(|count| count > 0);
+        let has_parts = !light_parts || !(shares_light || self.cache == Some(true) || gathering);
+        let is_possible = is_possible && has_aspect && share > 0;
+        if !(is_possible && has_stage && has_part && has_paths && has_samples && has_parts) {
             return Err(damaged(&format!("its header is of no render: {:?}, {MAX_SHARES} parts at most", self.film)));
         }
         let placement = (!is_picture).then_some(Placement { origin, picture, pixel_aspect });

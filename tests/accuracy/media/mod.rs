@@ -235,7 +235,9 @@ fn submerged(case: &mut Case) {
         desc.lights.push(point_light(DVec3::Y * height, intensity));
         fill(&mut desc, [0], ABSORPTION, 1);
         let scene = build(&desc);
-        for integrator in direct {
+        // With the balls, all is asked for that there is without.
+        let methods = if hidden || case.is_full() { &direct[..] } else { &direct[..3] };
+        for &integrator in methods {
             let image = image(&scene, integrator, 16, 1);
             for (i, coefficient) in ABSORPTION.to_f64().to_array().into_iter().enumerate() {
                 let way = (-coefficient * (height + eye.length())).exp();

@@ -91,14 +91,35 @@ fn parts(case: &mut Case) {
     let direct = 0.7 / PI * 5.0 * 2.0 / distance2.powf(1.5);
     compare(case, "sphere with a light", &image(&lit, path()), [0.0, direct, whole - direct], tolerance);
 
-    // All that the room's integrator direct finds, and no more.
-    let mut room = load("room.json");
-    room.render.resolution = [32, 32];
-    let render = RenderDesc { samples: 4 * samples, resolution: [32, 32], ..path() };
-    let found = layers(&image(&room, render.clone()));
-    let local = layers(&image(&room, RenderDesc { integrator: IntegratorDesc::Direct, seed: 9, ..render }));
+    // A convex body under an even sky scatters its light once, and beside it the sky itself is seen, or the plate before it.
+    let sky = |more: &str| {
+        let text = format!(
+            r#"{{"etendue": 1, "camera": {{"origin": [0, 0, 3], "lookAt": [0, 0, 0], "up": [0, 1, 0], "fieldOfView": 2}},
+                "materials": [{{"name": "grey", "type": "diffuse", "color": [0.6, 0.6, 0.6]}}],
+                "lights": [{{"type": "environment", "color": [0.5, 0.5, 0.5]}}], {more}
+                "surfaces": [{{"geometry": "sphere", "origin": [0, 0, 0], "radius": 1, "material": "grey"}}]}}"#
+        );
+        etendue::desc::parse(&text, "".as_ref(), None).expect("a scene of the test")
+    };
+    compare(case, "a ball under the sky", &image(&sky(""), path()), [0.0, 0.3, 0.0], tolerance);
+    for (what, more, seen) in
+        [("the sky", "", 0.5), ("a backplate", r#""backplate": {"color": [0.2, 0.2, 0.2]},"#, 0.2)]
+    {
+        let mut desc = sky(more);
+        desc.camera = camera(DVec3::Z * 3.0, DVec3::Z * 9.0, 2.0);
+        compare(case, what, &image(&desc, path()), [seen, 0.0, 0.0], tolerance);
+    }
+
+    // What the room's integrator direct finds, and no more.
+    let room = load("room.json");
+    let seeds = case.count(8, 32);
+    let means = |integrator, first: u64| {
+        let render = |seed| RenderDesc { seed: first + seed, resolution: [32, 32], ..job(integrator) };
+        let found: Vec<_> = (0..seeds).map(|seed| layers(&image(&room, render(seed)))).collect();
+        [0, 1].map(|layer| mean_and_error(&found.iter().map(|of| of[layer].0).collect::<Vec<_>>()))
+    };
+    let (found, local) = (means(IntegratorDesc::Path, 1), means(IntegratorDesc::Direct, 1000));
     for (i, name) in LAYERS.into_iter().enumerate().take(2) {
-        // Pixels are of one picture: the error of both is that of their noise, which is small beside the scatter of pixels.
-        case.exact(format!("room.json: {name}"), found[i].0, local[i].0, Within::Relative(pick(case, 6e-3, 2e-3)));
+        case.equal_means(format!("room.json: {name}"), found[i], local[i], tolerance);
     }
 }
