@@ -212,6 +212,11 @@ impl Place<'_> {
             .unwrap_or_else(|error| Error::io(self.path, "cannot read the mesh", error).at(self.json_path))
     }
 
+    /// The error of a list for which there is no room.
+    fn lacking(&self, error: Error) -> Error {
+        error.at(self.json_path).in_file(Some(self.path), 0)
+    }
+
     fn too_large(&self) -> Error {
         self.fail(0, format!("the file is larger than {SIZE_LIMIT} bytes"))
     }

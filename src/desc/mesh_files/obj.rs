@@ -8,9 +8,10 @@ use std::io::{self, BufRead, Read};
 
 use super::obj_parts::MaterialUses;
 use super::{CORNER_LIMIT, LINE_LIMIT, Place, Source, finite, is_number, shortened, vertex_color};
-use crate::Result;
 use crate::desc::MeshDesc;
 use crate::math::DVec3;
+use crate::room::{add_room, check_room};
+use crate::{Error, Result};
 
 /// U+FEFF in UTF-8, with which some programs begin a file.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
@@ -26,6 +27,9 @@ pub(super) fn read(
     lines.uses = uses;
     let options = tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
     let loaded = tobj::load_obj_buf(&mut lines, &options, |_| Err(tobj::LoadError::OpenFileFailed));
+    if let Some(error) = lines.lacking.take() {
+        return Err(place.lacking(error));
+    }
     if let Some(broken) = lines.broken.take() {
         return Err(place.fail(lines.line, broken));
     }
@@ -49,7 +53,7 @@ pub(super) fn read(
         return Err(place.fail(0, "the file holds no faces; is it a Wavefront OBJ file?".to_owned()));
     }
     let (models, _) = loaded.map_err(|error| place.fail(lines.line, format!("not a Wavefront OBJ file: {error}")))?;
-    let mut mesh = merge(models, place).map_err(|message| place.fail(0, message))?;
+    let mut mesh = merge(models, place)?;
     if lines.small_faces > 0 {
         place.warn(warnings, 0, &format!("{} faces with fewer than 3 corners left out", lines.small_faces));
     }
@@ -76,28 +80,35 @@ pub(super) fn read(
 }
 
 /// Merges all objects and groups into one mesh.
-fn merge(models: Vec<tobj::Model>, place: Place<'_>) -> Result<MeshDesc, String> {
+fn merge(models: Vec<tobj::Model>, place: Place<'_>) -> Result<MeshDesc> {
+    let beyond = |what: &str, value: &[f64]| place.fail(0, format!("the {what} {value:?} is beyond single precision"));
+    let lacking = |error| place.lacking(error);
     let mut mesh = place.mesh();
     for model in models.into_iter().map(|model| model.mesh) {
-        let first = u32::try_from(mesh.positions.len()).map_err(|_| "the mesh has too many vertices".to_owned())?;
-        for p in model.positions.as_chunks::<3>().0 {
-            if finite(*p).is_none() {
-                return Err(format!("the position {p:?} is beyond single precision"));
-            }
+        let first = u32::try_from(mesh.positions.len()).map_err(|_| place.fail(0, "the mesh has too many vertices"))?;
+        let (positions, normals) = (model.positions.as_chunks::<3>().0, model.normals.as_chunks::<3>().0);
+        let (uvs, colors) = (model.texcoords.as_chunks::<2>().0, model.vertex_color.as_chunks::<3>().0);
+        let triangles = model.indices.as_chunks::<3>().0;
+        add_room(&mut mesh.positions, positions.len()).map_err(lacking)?;
+        add_room(&mut mesh.normals, normals.len()).map_err(lacking)?;
+        add_room(&mut mesh.uvs, uvs.len()).map_err(lacking)?;
+        add_room(&mut mesh.colors, colors.len()).map_err(lacking)?;
+        add_room(&mut mesh.triangles, triangles.len()).map_err(lacking)?;
+        for p in positions {
+            finite(*p).ok_or_else(|| beyond("position", p))?;
             mesh.positions.push(DVec3::from_array(*p));
         }
-        for n in model.normals.as_chunks::<3>().0 {
-            mesh.normals.push(finite(*n).ok_or_else(|| format!("the normal {n:?} is beyond single precision"))?);
+        for n in normals {
+            mesh.normals.push(finite(*n).ok_or_else(|| beyond("normal", n))?);
         }
-        for uv in model.texcoords.as_chunks::<2>().0 {
-            let finite = finite(*uv);
-            mesh.uvs.push(finite.ok_or_else(|| format!("the texture coordinate {uv:?} is beyond single precision"))?);
+        for uv in uvs {
+            mesh.uvs.push(finite(*uv).ok_or_else(|| beyond("texture coordinate", uv))?);
         }
-        for color in model.vertex_color.as_chunks::<3>().0 {
-            let [r, g, b] = finite(*color).ok_or_else(|| format!("the colour {color:?} is beyond single precision"))?;
+        for color in colors {
+            let [r, g, b] = finite(*color).ok_or_else(|| beyond("colour", color))?;
             mesh.colors.push(vertex_color([r, g, b, 1.0], true));
         }
-        mesh.triangles.extend(model.indices.as_chunks::<3>().0.iter().map(|t| t.map(|index| index + first)));
+        mesh.triangles.extend(triangles.iter().map(|t| t.map(|index| index + first)));
     }
     Ok(mesh)
 }
@@ -139,9 +150,38 @@ struct Lines<R> {
     mixed_colors: bool,
     /// The materials of faces, if they are asked for.
     uses: Option<MaterialUses>,
+    /// Number of faces that were passed on.
+    faces: usize,
+    /// Whether all corners have a position, texture coordinate and normal of one index, so that a vertex never has two of them.
+    shares_indices: bool,
+    /// Bytes that the parser holds, and how many it may come to hold before room is asked for again.
+    held: usize,
+    expected: usize,
     /// The error in the current line.
     broken: Option<String>,
     failed: Option<io::Error>,
+    /// The error where there is no room for what the parser needs next.
+    lacking: Option<Error>,
+}
+
+/// Memory of the parser, which ends the process where there is no room. It is asked for here before the parser needs it, line by line,
+/// because the size of a file does not tell: the parser holds 3.5 times the size of a mesh of a million triangles, and 13 times that of
+/// the shortest lines that there are. These numbers are those of the types in tobj 4.0.
+mod parser_bytes {
+    /// A number of an element.
+    pub const NUMBER: usize = size_of::<f64>();
+    /// The three indices of a corner.
+    pub const CORNER: usize = 3 * size_of::<usize>();
+    /// A face, whatever it is.
+    pub const FACE: usize = 4 * CORNER + size_of::<usize>();
+    /// The entry of a vertex of the mesh in a table that was just enlarged, of which the old one is still there.
+    pub const ENTRY: usize = 120;
+    /// How often an item of the mesh is there while its list grows: in the old list, and twice in the room of the new one.
+    pub const GROWING: usize = 3;
+    /// Vertices of the mesh that one element of the file becomes at most, in the mean, where corners combine elements.
+    pub const VERTICES_OF_ONE: usize = 3;
+    /// What is held before room is asked for.
+    pub const FIRST: usize = 1 << 20;
 }
 
 impl<R: BufRead> Lines<R> {
@@ -159,9 +199,44 @@ impl<R: BufRead> Lines<R> {
             is_colored: None,
             mixed_colors: false,
             uses: None,
+            faces: 0,
+            shares_indices: true,
+            held: 0,
+            expected: parser_bytes::FIRST,
             broken: None,
             failed: None,
+            lacking: None,
         }
+    }
+
+    /// Asks for room for what the parser makes of the next lines: lists that grow have their old items beside twice their room.
+    fn ask_for_lines(&mut self) -> Result<(), String> {
+        if self.held < self.expected {
+            return Ok(());
+        }
+        self.expected = self.held + self.held / 8;
+        self.ask_for(2 * self.expected)
+    }
+
+    /// Asks for room for the mesh that the parser makes at the end of the file.
+    fn ask_for_mesh(&mut self) -> Result<(), String> {
+        let greatest = self.counts.into_iter().max().unwrap_or(0);
+        let each = if self.shares_indices { 1 } else { parser_bytes::VERTICES_OF_ONE };
+        let vertices = (each * greatest).min(self.corners);
+        let triangles = self.corners - 2 * self.faces;
+        let [_, uvs, normals] = self.counts.map(|count| count > 0);
+        let has_colors = self.is_colored == Some(true);
+        let numbers = 3 + 2 * usize::from(uvs) + 3 * usize::from(normals) + 3 * usize::from(has_colors);
+        let vertex = parser_bytes::ENTRY + parser_bytes::GROWING * numbers * parser_bytes::NUMBER;
+        let triangle = parser_bytes::GROWING * size_of::<[u32; 3]>();
+        self.ask_for(vertices * vertex + triangles * triangle)
+    }
+
+    fn ask_for(&mut self, bytes: usize) -> Result<(), String> {
+        check_room(bytes).map_err(|error| {
+            self.lacking = Some(error);
+            String::new()
+        })
     }
 
     /// Prepares the next line of geometry. Returns false at the end of the file.
@@ -175,7 +250,10 @@ impl<R: BufRead> Lines<R> {
                 let room = (LINE_LIMIT - before) as u64 + 1;
                 let read = self.inner.by_ref().take(room).read_until(b'\n', &mut self.ready);
                 match read {
-                    Ok(0) if before == 0 => return Ok(false),
+                    Ok(0) if before == 0 => {
+                        self.ask_for_mesh()?;
+                        return Ok(false);
+                    }
                     Ok(0) => break,
                     Ok(_) => {}
                     Err(error) => {
@@ -199,6 +277,7 @@ impl<R: BufRead> Lines<R> {
                 self.ready.push(b' ');
             }
             if let Some(line) = self.checked()? {
+                self.ask_for_lines()?;
                 self.ready = line;
                 return Ok(true);
             }
@@ -245,6 +324,7 @@ impl<R: BufRead> Lines<R> {
             return Err("a position with weight 0 lies at infinity".to_owned());
         }
         self.counts[kind] += 1;
+        self.held += keep.max(3) * parser_bytes::NUMBER;
         let mut checked = numbers[..keep.min(numbers.len())].join(" ");
         if kind == 0 {
             let is_colored = *self.is_colored.get_or_insert(false);
@@ -273,6 +353,7 @@ impl<R: BufRead> Lines<R> {
         let (mut corners, mut with) = (0, [0; 3]);
         for corner in text.split_ascii_whitespace().skip(1) {
             corners += 1;
+            let mut own = None;
             checked.push(' ');
             for (kind, index) in corner.split('/').enumerate() {
                 if kind > 0 {
@@ -301,6 +382,7 @@ impl<R: BufRead> Lines<R> {
                 if absolute > CORNER_LIMIT {
                     return Err(format!("the index in '{}' is too large", shortened(corner)));
                 }
+                self.shares_indices &= *own.get_or_insert(absolute) == absolute;
                 with[kind] += 1;
                 checked.push_str(&absolute.to_string());
             }
@@ -309,7 +391,10 @@ impl<R: BufRead> Lines<R> {
             self.small_faces += 1;
             return Ok(None);
         }
+        self.faces += 1;
         self.corners += corners;
+        // Those of a polygon are in a list of its own.
+        self.held += parser_bytes::FACE + if corners > 4 { corners * parser_bytes::CORNER } else { 0 };
         for (total, with) in self.corners_with.iter_mut().zip(with) {
             *total += with;
         }
@@ -344,7 +429,7 @@ impl<R: BufRead> BufRead for Lines<R> {
                     self.taken = 0;
                 }
                 Err(message) => {
-                    if self.failed.is_none() {
+                    if self.failed.is_none() && self.lacking.is_none() {
                         self.broken = Some(message);
                     }
                     return Err(io::Error::from(io::ErrorKind::InvalidData));

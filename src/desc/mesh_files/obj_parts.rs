@@ -15,6 +15,7 @@ use crate::control::WorkProgress;
 use crate::desc::json::{did_you_mean, elided};
 use crate::desc::warnings::warn;
 use crate::desc::{BsdfDesc, MaterialDesc, MeshDesc, TextureDesc};
+use crate::room::check_room;
 use crate::spectrum::Rgb;
 use crate::{Error, ErrorKind, Result};
 
@@ -158,6 +159,8 @@ pub(super) fn load(source: Source<'_, '_>, warnings: &mut Vec<String>, work: &Wo
         let message = format!("{} triangles were made of {}", mesh.triangles.len(), uses.triangles);
         return Err(Error::new(ErrorKind::Internal, message).at(json_path));
     }
+    // The parts, whose lists grow, beside the mesh.
+    check_room(2 * bytes(&mesh) + size_of::<u32>() * mesh.positions.len()).map_err(|error| place.lacking(error))?;
     let library = uses.library(place, &mut noted)?;
     let mut runs: Vec<Vec<Range<usize>>> = vec![Vec::new(); uses.names.len()];
     for (material, run) in uses.runs {
@@ -215,6 +218,16 @@ pub(super) fn load(source: Source<'_, '_>, warnings: &mut Vec<String>, work: &Wo
     noted.into_iter().for_each(|warning| warn(warnings, warning));
     let files = library.files.into_iter().chain(maps.files).collect();
     Ok(Parts { parts, textures: maps.textures, files })
+}
+
+/// Memory of a mesh's lists.
+fn bytes(mesh: &MeshDesc) -> usize {
+    let MeshDesc { positions, normals, uvs, colors, triangles, .. } = mesh;
+    size_of_val(&**positions)
+        + size_of_val(&**normals)
+        + size_of_val(&**uvs)
+        + size_of_val(&**colors)
+        + size_of_val(&**triangles)
 }
 
 /// Takes parts out of a mesh.

@@ -10,6 +10,7 @@ use super::{CORNER_LIMIT, Place, Source, finite, vertex_color};
 use crate::desc::MeshDesc;
 use crate::desc::json::elided;
 use crate::math::DVec3;
+use crate::room::{add_room, push};
 use crate::{Error, Result};
 
 /// Names of the list of a polygon's corners.
@@ -181,13 +182,16 @@ impl<R: std::io::BufRead> Reader<'_, R> {
         self.unused(element, &unused);
         // The count is one that the file has room for.
         let count = element.count as usize;
-        self.mesh.positions.reserve_exact(count);
-        self.mesh.normals.reserve_exact(if has_normals { count } else { 0 });
-        self.mesh.tangents.reserve_exact(if has_tangents { count } else { 0 });
-        self.mesh.uvs.reserve_exact(if uv.is_some() { count } else { 0 });
+        let lacking = |error| self.place.lacking(error);
+        add_room(&mut self.mesh.positions, count).map_err(lacking)?;
+        add_room(&mut self.mesh.normals, if has_normals { count } else { 0 }).map_err(lacking)?;
+        add_room(&mut self.mesh.tangents, if has_tangents { count } else { 0 }).map_err(lacking)?;
+        add_room(&mut self.mesh.uvs, if uv.is_some() { count } else { 0 }).map_err(lacking)?;
         self.mesh.further_uvs = vec![Vec::new(); sets.last().copied().unwrap_or(0)];
-        sets.iter().for_each(|set| self.mesh.further_uvs[set - 1].reserve_exact(count));
-        self.mesh.colors.reserve_exact(if has_colors { count } else { 0 });
+        for set in &sets {
+            add_room(&mut self.mesh.further_uvs[set - 1], count).map_err(lacking)?;
+        }
+        add_room(&mut self.mesh.colors, if has_colors { count } else { 0 }).map_err(lacking)?;
         let is_integer = |name: &str| element.properties.iter().any(|it| it.name == name && it.kind.range().is_some());
         let is_encoded = COLORS.into_iter().all(is_integer);
         for number in 0..element.count {
@@ -243,7 +247,12 @@ impl<R: std::io::BufRead> Reader<'_, R> {
     }
 
     /// Reads elements whose one list of vertices is handed over; -1 is allowed where it ends a strip.
-    fn lists(&mut self, element: &Element, ends: bool, mut take: impl FnMut(&mut Self, &[Option<u32>])) -> Result<()> {
+    fn lists(
+        &mut self,
+        element: &Element,
+        ends: bool,
+        mut take: impl FnMut(&mut Self, &[Option<u32>]) -> Result<()>,
+    ) -> Result<()> {
         if element.count == 0 {
             return Ok(());
         }
@@ -276,7 +285,7 @@ impl<R: std::io::BufRead> Reader<'_, R> {
                 for _ in 0..count {
                     let value = self.values.number(property.kind).map_err(|trouble| wrong(self, trouble))?;
                     if value == -1.0 && ends {
-                        corners.push(None);
+                        push(&mut corners, None).map_err(|error| self.place.lacking(error))?;
                         continue;
                     }
                     if value < 0.0 {
@@ -284,14 +293,14 @@ impl<R: std::io::BufRead> Reader<'_, R> {
                         return Err(wrong(self, Trouble::Bad(message)));
                     }
                     let index = value as u32;
-                    corners.push(Some(index));
+                    push(&mut corners, Some(index)).map_err(|error| self.place.lacking(error))?;
                     if self.greatest.as_ref().is_none_or(|known| index > known.index) {
                         self.greatest = Some(Named { index, at: format!("{name} {number}"), line: self.values.line });
                     }
                 }
             }
             self.values.end();
-            take(self, &corners);
+            take(self, &corners)?;
         }
         Ok(())
     }
@@ -303,11 +312,12 @@ impl<R: std::io::BufRead> Reader<'_, R> {
             let mut rest = corners.clone().skip(1);
             if let (Some(first), Some(mut second)) = (corners.clone().next(), rest.next()) {
                 for third in rest {
-                    reader.triangle([*first, *second, *third]);
+                    reader.triangle([*first, *second, *third])?;
                     second = third;
                 }
             }
             reader.small += usize::from(reader.mesh.triangles.len() == before);
+            Ok(())
         })
     }
 
@@ -317,18 +327,20 @@ impl<R: std::io::BufRead> Reader<'_, R> {
                 for (i, corners) in strip.windows(3).enumerate() {
                     if let [Some(a), Some(b), Some(c)] = *corners {
                         // Every other triangle of a strip runs the other way.
-                        reader.triangle(if i % 2 == 0 { [a, b, c] } else { [b, a, c] });
+                        reader.triangle(if i % 2 == 0 { [a, b, c] } else { [b, a, c] })?;
                     }
                 }
             }
+            Ok(())
         })
     }
 
     /// Adds a triangle with three different corners, or any triangle where all are kept.
-    fn triangle(&mut self, [a, b, c]: [u32; 3]) {
+    fn triangle(&mut self, [a, b, c]: [u32; 3]) -> Result<()> {
         if self.keep_degenerate || a != b && b != c && c != a {
-            self.mesh.triangles.push([a, b, c]);
+            push(&mut self.mesh.triangles, [a, b, c]).map_err(|error| self.place.lacking(error))?;
         }
+        Ok(())
     }
 
     /// Leaves out elements that are not part of a mesh.

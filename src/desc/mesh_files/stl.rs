@@ -8,9 +8,10 @@ use std::collections::HashMap;
 use std::io::{BufRead, ErrorKind, Read as _};
 
 use super::{CORNER_LIMIT, Place, Source, stl_text};
-use crate::Result;
 use crate::desc::MeshDesc;
 use crate::math::DVec3;
+use crate::room::{add_entries, push};
+use crate::{Error, Result};
 
 /// Bytes before the first triangle of a binary file: any text, and the number of triangles.
 const HEADER: usize = 84;
@@ -42,15 +43,19 @@ pub(super) fn read(mut source: Source<'_, '_>, warnings: &mut Vec<String>) -> Re
     let beginning = source.reader.fill_buf().map_err(|error| place.unreadable(error))?;
     let is_binary = is_binary_of_size(beginning, size) || !is_text(beginning);
     let mut triangles = Triangles::new(place);
-    if is_binary {
+    let outcome = if is_binary {
         let Some(count) = count(beginning) else {
             let message = format!("the file of {size} bytes is too short for a binary STL file, and no text of one");
             return Err(place.fail(0, message));
         };
-        binary(&mut source, count, &mut triangles)?;
+        binary(&mut source, count, &mut triangles)
     } else {
-        stl_text::read(&mut source, &mut triangles)?;
+        stl_text::read(&mut source, &mut triangles)
+    };
+    if let Some(error) = triangles.lacking.take() {
+        return Err(place.lacking(error));
     }
+    outcome?;
     triangles.finish(warnings)
 }
 
@@ -92,12 +97,15 @@ pub(super) struct Triangles<'a> {
     vertices: HashMap<[u32; 3], u32>,
     count: usize,
     small: usize,
+    /// The error where there was no room for a triangle.
+    lacking: Option<Error>,
     pub notes: Vec<String>,
 }
 
 impl<'a> Triangles<'a> {
     fn new(place: Place<'a>) -> Self {
-        Self { place, mesh: place.mesh(), vertices: HashMap::new(), count: 0, small: 0, notes: Vec::new() }
+        let (mesh, vertices) = (place.mesh(), HashMap::new());
+        Self { place, mesh, vertices, count: 0, small: 0, lacking: None, notes: Vec::new() }
     }
 
     /// The number of triangles so far.
@@ -105,32 +113,42 @@ impl<'a> Triangles<'a> {
         self.count
     }
 
-    /// Adds a triangle.
+    /// Adds a triangle. Where there is no room for it, the sentence of the error is empty, and [`read`] returns the error itself.
     pub fn add(&mut self, corners: [[f32; 3]; 3]) -> Result<(), String> {
         self.count += 1;
         if self.count > CORNER_LIMIT / 3 {
             return Err(format!("the file has more than {} triangles", CORNER_LIMIT / 3));
         }
-        let mut triangle = [0; 3];
-        for (index, corner) in triangle.iter_mut().zip(corners) {
+        for corner in corners {
             if let Some(bad) = corner.iter().find(|value| !value.is_finite()) {
                 return Err(format!("the vertex {corner:?} has the number {bad}, which is not finite"));
             }
+        }
+        self.insert(corners).map_err(|error| {
+            self.lacking = Some(error);
+            String::new()
+        })
+    }
+
+    /// Adds a triangle of finite corners.
+    fn insert(&mut self, corners: [[f32; 3]; 3]) -> Result<()> {
+        add_entries(&mut self.vertices, 3)?;
+        let mut triangle = [0; 3];
+        for (index, corner) in triangle.iter_mut().zip(corners) {
             // Both zeros are equal.
             let key = corner.map(|value| (value + 0.0).to_bits());
             let next = self.mesh.positions.len() as u32;
             *index = *self.vertices.entry(key).or_insert(next);
             if *index == next {
-                self.mesh.positions.push(DVec3::from_array(corner.map(f64::from)));
+                push(&mut self.mesh.positions, DVec3::from_array(corner.map(f64::from)))?;
             }
         }
         let [a, b, c] = triangle;
         if a == b || b == c || c == a {
             self.small += 1;
-        } else {
-            self.mesh.triangles.push(triangle);
+            return Ok(());
         }
-        Ok(())
+        push(&mut self.mesh.triangles, triangle)
     }
 
     fn finish(mut self, warnings: &mut Vec<String>) -> Result<MeshDesc> {
