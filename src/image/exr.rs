@@ -25,6 +25,7 @@ use ::exr::prelude::Vec2;
 use super::check::{MAX_PIXELS, check_size, damaged};
 use super::dwa;
 use super::pixels::{Image, Layer, Placement};
+use crate::room::check_room;
 use crate::spectrum::Primaries;
 use crate::{Error, ErrorKind, Result};
 
@@ -282,10 +283,11 @@ fn unreadable(error: ::exr::error::Error) -> Error {
 
 /// Limits memory before any is allocated.
 fn check_headers(headers: &[Header], file_size: u64) -> Result<()> {
-    let mut values = 0_u64;
+    let (mut values, mut most_pixels) = (0_u64, 0);
     for header in headers {
         let Vec2(width, height) = header.layer_size;
         let (width, height) = check_size(width as u64, height as u64)?;
+        most_pixels = most_pixels.max(u64::from(width) * u64::from(height));
         // Each chunk has an offset of eight bytes in a table near the start of the file.
         if header.chunk_count as u64 > file_size / 8 {
             return Err(damaged(format!(
@@ -303,7 +305,8 @@ fn check_headers(headers: &[Header], file_size: u64) -> Result<()> {
         let message = format!("its channels have {values} values, more than the {MAX_VALUES} that are read");
         return Err(Error::new(ErrorKind::Unsupported, message));
     }
-    Ok(())
+    // The crate ends the process where there is no room. Beside all channels, those of one image are put together.
+    check_room((values * size_of::<f32>() as u64 + most_pixels * size_of::<[f32; 4]>() as u64) as usize)
 }
 
 /// Channels of one layer, by suffix.

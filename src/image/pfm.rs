@@ -4,6 +4,7 @@ use std::io::{BufRead, Read, Write};
 
 use super::check::{check_size, damaged};
 use super::pixels::Image;
+use crate::room::with_room;
 use crate::{Error, ErrorKind, Result};
 
 /// Longest accepted token of a header: a float in full decimal notation fits.
@@ -43,7 +44,12 @@ pub(super) fn decode(mut reader: impl BufRead) -> Result<Image> {
     let pixels = width as usize * height as usize;
     let expected = 4 * channels * pixels;
     let mut bytes = Vec::new();
-    reader.take(expected as u64).read_to_end(&mut bytes).map_err(damaged)?;
+    reader.take(expected as u64).read_to_end(&mut bytes).map_err(|error| match error.kind() {
+        std::io::ErrorKind::OutOfMemory => {
+            Error::new(ErrorKind::OutOfMemory, format!("no room for {expected} bytes")).because(error)
+        }
+        _ => damaged(error),
+    })?;
     if bytes.len() != expected {
         return Err(damaged(format!("it ends after {} of {expected} bytes of pixels", bytes.len())));
     }
@@ -51,7 +57,7 @@ pub(super) fn decode(mut reader: impl BufRead) -> Result<Image> {
     let from_bytes = if scale < 0.0 { f32::from_le_bytes } else { f32::from_be_bytes };
     // A factor of 1 is left out and not multiplied by, so that every bit of a NaN is kept too.
     let factor = Some(scale.abs()).filter(|factor| *factor != 1.0);
-    let mut rgb = Vec::with_capacity(3 * pixels);
+    let mut rgb = with_room(3 * pixels)?;
     for row in bytes.chunks_exact(4 * channels * width as usize).rev() {
         for value in row.chunks_exact(4) {
             let value = from_bytes([value[0], value[1], value[2], value[3]]);

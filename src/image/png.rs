@@ -7,6 +7,7 @@ use ::image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, Image
 
 use super::check::{MAX_PIXELS, check_size, damaged};
 use super::pixels::Image;
+use crate::room::{check_room, with_room};
 use crate::spectrum::srgb_decode;
 use crate::{Error, ErrorKind, Result};
 
@@ -50,21 +51,35 @@ pub(super) fn decode(reader: impl BufRead + Seek) -> Result<Image> {
     let decoder = PngDecoder::with_limits(reader, limits).map_err(unreadable)?;
     let (width, height) = decoder.dimensions();
     let (width, height) = check_size(u64::from(width), u64::from(height))?;
+    // The decoder's library ends the process where there is no room for the pixels.
+    check_room(usize::try_from(decoder.total_bytes()).unwrap_or(usize::MAX))?;
     let picture = DynamicImage::from_decoder(decoder).map_err(unreadable)?;
-    let rgb = match picture {
-        DynamicImage::ImageLuma16(_)
-        | DynamicImage::ImageLumaA16(_)
-        | DynamicImage::ImageRgb16(_)
-        | DynamicImage::ImageRgba16(_) => {
-            let decode = |&code: &u16| srgb_decode(f32::from(code) / 65535.0);
-            picture.into_rgb16().as_raw().iter().map(decode).collect()
-        }
-        _ => {
-            let linear: [f32; 256] = std::array::from_fn(|code| srgb_decode(code as f32 / 255.0));
-            picture.into_rgb8().as_raw().iter().map(|&code| linear[usize::from(code)]).collect()
-        }
-    };
+    let wide = |code: u16| srgb_decode(f32::from(code) / 65535.0);
+    let linear: [f32; 256] = std::array::from_fn(|code| srgb_decode(code as f32 / 255.0));
+    let narrow = |code: u8| linear[usize::from(code)];
+    let rgb = match &picture {
+        DynamicImage::ImageLuma8(it) => triples::<u8, 1>(it, narrow),
+        DynamicImage::ImageLumaA8(it) => triples::<u8, 2>(it, narrow),
+        DynamicImage::ImageRgb8(it) => triples::<u8, 3>(it, narrow),
+        DynamicImage::ImageRgba8(it) => triples::<u8, 4>(it, narrow),
+        DynamicImage::ImageLuma16(it) => triples::<u16, 1>(it, wide),
+        DynamicImage::ImageLumaA16(it) => triples::<u16, 2>(it, wide),
+        DynamicImage::ImageRgb16(it) => triples::<u16, 3>(it, wide),
+        DynamicImage::ImageRgba16(it) => triples::<u16, 4>(it, wide),
+        _ => return Err(damaged("it has pixels of a kind that PNG does not have")),
+    }?;
     Ok(Image { width, height, rgb, ..Image::default() })
+}
+
+/// The colours of pixels of `N` channels: grey, or red, green and blue, with or without an opacity, which is left out.
+fn triples<T: Copy, const N: usize>(codes: &[T], linear: impl Fn(T) -> f32) -> Result<Vec<f32>> {
+    let pixels = codes.as_chunks::<N>().0;
+    let mut rgb = with_room(3 * pixels.len())?;
+    for pixel in pixels {
+        // Of a grey pixel the first channel is all three.
+        rgb.extend([0, N / 3, 2 * (N / 3)].map(|channel| linear(pixel[channel])));
+    }
+    Ok(rgb)
 }
 
 fn unreadable(error: ImageError) -> Error {

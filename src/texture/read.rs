@@ -15,6 +15,7 @@ use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
 use super::texels::{ColorSpace, TexelImage, Texels, check_size};
 use crate::control::{Cancel, WorkProgress};
+use crate::room::{check_room, collected};
 use crate::{Error, ErrorKind, Result};
 
 /// Size of the largest image file, 4 GiB.
@@ -275,6 +276,8 @@ fn with_decoder(mut decoder: impl ImageDecoder) -> Result<(TexelImage, ColorSpac
     decoder.set_limits(limits()).map_err(|error| unreadable(&error))?;
     let (width, height) = decoder.dimensions();
     check_size(width, height).map_err(|message| Error::new(ErrorKind::Unsupported, message))?;
+    // The library ends the process where there is no room. Some of its decoders hold all of an image beside the one they return.
+    check_room(usize::try_from(decoder.total_bytes()).unwrap_or(usize::MAX).saturating_mul(2))?;
     let image = DynamicImage::from_decoder(decoder).map_err(|error| unreadable(&error))?;
     let (channels, texels, space) = match image {
         DynamicImage::ImageLuma8(it) => (1, Texels::U8(it.into_raw().into()), ColorSpace::Srgb),
@@ -324,10 +327,15 @@ fn from_exr(file: FlatImage) -> Result<TexelImage> {
             })
             .collect();
         let values = match halves {
-            Some(planes) => Texels::F16((0..texels).flat_map(|i| planes.iter().map(move |plane| plane[i])).collect()),
-            None => Texels::F32(
-                (0..texels).flat_map(|i| all.iter().map(move |plane| plane.value_by_flat_index(i).to_f32())).collect(),
-            ),
+            Some(planes) => {
+                let values = (0..texels).flat_map(|i| planes.iter().map(move |plane| plane[i]));
+                Texels::F16(collected(values, texels * planes.len())?.into())
+            }
+            None => {
+                let values =
+                    (0..texels).flat_map(|i| all.iter().map(move |plane| plane.value_by_flat_index(i).to_f32()));
+                Texels::F32(collected(values, texels * all.len())?.into())
+            }
         };
         let size = [part.size.width(), part.size.height()].map(|n| u32::try_from(n).unwrap_or(u32::MAX));
         return made(size[0], size[1], planes.len() as u32, values);
