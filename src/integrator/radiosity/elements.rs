@@ -137,6 +137,9 @@ const SMOOTH_WELD_COSINE: f64 = 0.2;
 /// Memory of a patch, with its vertices and its part of the clusters.
 const BYTES_PER_PATCH: usize = 2 * size_of::<Node>() + size_of::<Patch>() + 200;
 
+/// Number of patches from which on room is asked for whenever there are an eighth more of them.
+const FIRST_ROOM: usize = 1 << 10;
+
 /// An element is hollow where its middle lies so far behind its flat element, in its radii.
 const FLATNESS: f64 = 1e-6;
 
@@ -162,6 +165,9 @@ impl Elements {
         elements.textured = ElementTextures::new(scene).map(Box::new);
         let mut welds = Welds::new();
         let mut roots = Vec::new();
+        // How many patches and vertices there may be before room is asked for again: shapes have as many as they need, and triangles
+        // that share no vertices have three each.
+        let mut expected = FIRST_ROOM;
         let emitters = scene.emitters();
         scene.each_face(|face| {
             let (triangles, outer, error, shape, is_smooth) = match &face.body {
@@ -213,8 +219,16 @@ impl Elements {
                 }
             }
             elements.sides.push(sides);
+            let made = roots.len().max(elements.vertices.len());
+            if made >= expected {
+                check_room(made.saturating_mul(2 * BYTES_PER_PATCH))?;
+                expected = made + made / 8;
+            }
             elements.check(roots.len() * BYTES_PER_PATCH)
         })?;
+        drop(welds);
+        // The nodes, twice the numbers of the patches, and the bends of hollow ones once more.
+        check_room(roots.len().saturating_mul(2 * size_of::<Node>() + size_of::<[DVec3; 3]>() + 64))?;
         elements.cluster(roots);
         (0..elements.nodes.len()).for_each(|number| elements.add_means(number));
         Ok(elements)

@@ -179,7 +179,7 @@ impl Radiosity {
         if elements.patches.is_empty() {
             notes.push("radiosity: no surface is diffuse or emits, the solution is empty".to_owned());
         }
-        let mut hierarchy = LinkHierarchy::new(scene, elements);
+        let mut hierarchy = LinkHierarchy::new(scene, elements)?;
         hierarchy.divide_lamps(|| parallel.check())?;
         let shared: SharedHierarchy = Arc::new(RwLock::new(hierarchy));
         // Without bounces, the solution is the surfaces' emission.

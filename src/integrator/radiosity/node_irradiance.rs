@@ -42,7 +42,12 @@ fn gathered(hierarchy: &LinkHierarchy, node: u32) -> DVec3 {
 
 /// Irradiance that each cluster brings to the surfaces below it, including that of the clusters above.
 pub(super) fn received(shared: &SharedHierarchy, parallel: &mut impl Parallel) -> Result<Vec<DirectionalPolynomial>> {
-    let count = shared.read().unwrap_or_else(PoisonError::into_inner).clusters.len();
+    let count = {
+        let hierarchy = shared.read().unwrap_or_else(PoisonError::into_inner);
+        // Every step that gathers begins here.
+        hierarchy.check_step(0)?;
+        hierarchy.clusters.len()
+    };
     let hierarchy = Arc::clone(shared);
     let own = parallel.map(count.div_ceil(ITEMS_PER_TASK), move |block| {
         let hierarchy = hierarchy.read().unwrap_or_else(PoisonError::into_inner);

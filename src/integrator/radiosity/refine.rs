@@ -5,8 +5,8 @@
 
 use std::sync::{Arc, PoisonError, RwLock};
 
-use super::elements::Elements;
-use super::light::NodeRadiosity;
+use super::elements::{Elements, Node};
+use super::light::{DirectionalPolynomial, NodeRadiosity};
 use super::links::{Link, POINT, PointLight};
 use super::oracle::{PairDecision, RefinementOracle};
 use super::sampled::SampledLight;
@@ -14,7 +14,7 @@ use crate::control::Parallel;
 use crate::emitter::Emitter;
 use crate::error::Result;
 use crate::math::DVec3;
-use crate::room::check_room;
+use crate::room::{check_room, check_room_of_threads};
 use crate::scene::Scene;
 use crate::spectrum::Rgb;
 
@@ -23,6 +23,23 @@ const PAIRS_PER_TASK: usize = 64;
 
 /// Most pairs of one round.
 const PAIRS_PER_ROUND: usize = 1 << 17;
+
+/// Pairs whose nodes are divided and linked before the memory is looked at again.
+const PAIRS_PER_CHECK: usize = 1 << 8;
+
+/// Memory that so many pairs may add, each two nodes that are divided into four and sixteen pairs.
+const GROWTH_BYTES: usize =
+    PAIRS_PER_CHECK * (8 * (size_of::<Node>() + NODE_BYTES + 64) + 16 * size_of::<(u32, u32)>());
+
+/// Memory of the decisions about a round of pairs: as tasks make them, with what belongs to each task.
+const DECISION_BYTES: usize = size_of::<PairDecision>() + 8;
+
+/// Memory of a node beside that of its element: radiosity, linear variation, spread, maximum, first link and scale. A vertex's irradiance
+/// is counted with the nodes.
+const NODE_BYTES: usize = 24 + 32 + 4 + 4 + 4 + 16 + 24;
+
+/// Memory of a cluster.
+const CLUSTER_BYTES: usize = size_of::<DirectionalPolynomial>();
 
 /// Links that one task of the thread pool checks.
 const LINKS_PER_TASK: usize = 1 << 12;
@@ -48,7 +65,11 @@ pub(super) type SharedHierarchy = Arc<RwLock<LinkHierarchy>>;
 
 impl LinkHierarchy {
     /// A hierarchy without links, in which each element's radiosity is its emission.
-    pub fn new(scene: &Scene, elements: Elements) -> Self {
+    ///
+    /// # Errors
+    /// [`crate::ErrorKind::OutOfMemory`].
+    pub fn new(scene: &Scene, elements: Elements) -> Result<Self> {
+        check_room(NODE_BYTES * elements.nodes.len() + (CLUSTER_BYTES + 8) * elements.clusters as usize)?;
         let light = |emitter: &Emitter| match emitter {
             Emitter::Point { position, intensity } => {
                 Some(PointLight { position: position.as_dvec3(), intensity: intensity.to_f64() })
@@ -69,7 +90,7 @@ impl LinkHierarchy {
         let sampled = SampledLight::new(scene);
         let mut hierarchy = Self { oracle, links: Vec::new(), first: Vec::new(), clusters, scale: Vec::new(), sampled };
         hierarchy.emit();
-        hierarchy
+        Ok(hierarchy)
     }
 
     /// Divides the lamps whose radiance a texture varies: refinement looks at what lies below an element, but divides none for it.
@@ -85,7 +106,7 @@ impl LinkHierarchy {
             if self.oracle.elements.is_uneven_lamp(number) {
                 check()?;
                 waiting.extend(self.divide(number));
-                self.oracle.elements.check(self.bytes())?;
+                self.check_growth(size_of_val(&*waiting))?;
             }
         }
         if self.oracle.elements.nodes.len() > first {
@@ -97,7 +118,7 @@ impl LinkHierarchy {
     /// Sets each element's radiosity to its emission.
     pub fn emit(&mut self) {
         let RefinementOracle { elements, radiosity, .. } = &mut self.oracle;
-        let emitted = |(node, number): (&super::elements::Node, u32)| {
+        let emitted = |(node, number): (&Node, u32)| {
             if node.is_cluster() { DVec3::ZERO } else { elements.emitted(number) }
         };
         radiosity.b = elements.nodes.iter().zip(0..).map(emitted).collect();
@@ -106,18 +127,43 @@ impl LinkHierarchy {
 
     /// Memory of the hierarchy, bytes.
     pub fn bytes(&self) -> usize {
-        // A node takes its radiosity, linear variation, spread, maximum, first link and scale. A vertex's irradiance is
-        // counted with the nodes.
-        let node = 24 + 32 + 4 + 4 + 4 + 16 + 24;
         self.oracle.elements.bytes()
-            + node * self.oracle.elements.nodes.len()
+            + NODE_BYTES * self.oracle.elements.nodes.len()
             + size_of::<Link>() * self.links.len()
-            + 240 * self.clusters.len()
+            + CLUSTER_BYTES * self.clusters.len()
             + self.sampled.as_ref().map_or(0, |sampled| sampled.bytes())
     }
 
+    /// Fails where the hierarchy, with so many bytes beside it, is past the limit or has no room to grow.
+    ///
+    /// # Errors
+    /// [`crate::ErrorKind::OutOfMemory`].
+    pub fn check_growth(&self, beside: usize) -> Result<()> {
+        let bytes = self.bytes() + beside;
+        self.oracle.elements.check(bytes)?;
+        // What grows next may be all there is, and then needs twice its room beside itself.
+        self.check_room((bytes + GROWTH_BYTES).saturating_mul(2))
+    }
+
+    /// Fails where there is no room for a step of the solution and for so many bytes beside it. What steps find of nodes, vertices,
+    /// clusters and links takes no more than these themselves.
+    ///
+    /// # Errors
+    /// [`crate::ErrorKind::OutOfMemory`].
+    pub fn check_step(&self, beside: usize) -> Result<()> {
+        self.check_room(self.bytes().saturating_add(beside))
+    }
+
+    fn check_room(&self, bytes: usize) -> Result<()> {
+        check_room_of_threads(bytes, self.oracle.scene.device().threads())
+    }
+
     /// Sorts the links by their receivers.
-    pub fn sort(&mut self) {
+    ///
+    /// # Errors
+    /// [`crate::ErrorKind::OutOfMemory`].
+    pub fn sort(&mut self) -> Result<()> {
+        self.check_step(0)?;
         self.links.sort_by_key(|link| (link.receiver, link.source));
         let nodes = self.oracle.elements.nodes.len();
         self.first = Vec::with_capacity(nodes + 1);
@@ -128,6 +174,7 @@ impl LinkHierarchy {
             }
             self.first.push(next as u32);
         }
+        Ok(())
     }
 
     pub fn scale_of(&self, leaf: u32) -> DVec3 {
@@ -169,13 +216,19 @@ impl LinkHierarchy {
     }
 
     /// Carries out the decisions on pairs: adds links, and appends the pairs of children to `next`.
+    ///
+    /// # Errors
+    /// [`crate::ErrorKind::OutOfMemory`].
     fn apply(
         &mut self,
         pairs: &[(u32, u32)],
         decisions: impl Iterator<Item = PairDecision>,
         next: &mut Vec<(u32, u32)>,
-    ) {
-        for (&(receiver, source), decision) in pairs.iter().zip(decisions) {
+    ) -> Result<()> {
+        for (number, (&(receiver, source), decision)) in pairs.iter().zip(decisions).enumerate() {
+            if number % PAIRS_PER_CHECK == 0 {
+                self.check_growth(2 * size_of_val(&**next))?;
+            }
             match decision {
                 PairDecision::NoTransport => {}
                 PairDecision::Link(link) => self.links.push(link),
@@ -187,6 +240,7 @@ impl LinkHierarchy {
                 }
             }
         }
+        Ok(())
     }
 }
 
@@ -204,6 +258,7 @@ pub(super) fn refine(shared: &SharedHierarchy, pairs: Vec<(u32, u32)>, parallel:
     let mut waiting = pairs;
     let mut evaluated = 0;
     while !waiting.is_empty() {
+        check_room(PAIRS_PER_ROUND.min(waiting.len()) * (size_of::<(u32, u32)>() + DECISION_BYTES))?;
         let round = Arc::new(waiting.split_off(waiting.len().saturating_sub(PAIRS_PER_ROUND)));
         evaluated += round.len() as u64;
         let (hierarchy, pairs) = (Arc::clone(shared), Arc::clone(&round));
@@ -213,19 +268,23 @@ pub(super) fn refine(shared: &SharedHierarchy, pairs: Vec<(u32, u32)>, parallel:
             pairs.map(|&(receiver, source)| hierarchy.oracle.decide(receiver, source)).collect::<Vec<_>>()
         })?;
         let mut hierarchy = shared.write().unwrap_or_else(PoisonError::into_inner);
-        hierarchy.apply(&round, decisions.into_iter().flatten(), &mut waiting);
-        let bytes = hierarchy.bytes() + 2 * 8 * waiting.len();
-        hierarchy.oracle.elements.check(bytes)?;
-        // What grows next may be all there is, and then needs twice its room beside itself.
-        check_room(2 * bytes)?;
+        hierarchy.apply(&round, decisions.into_iter().flatten(), &mut waiting)?;
+        hierarchy.check_growth(2 * size_of_val(&*waiting))?;
     }
-    shared.write().unwrap_or_else(PoisonError::into_inner).sort();
+    shared.write().unwrap_or_else(PoisonError::into_inner).sort()?;
     Ok(evaluated)
+}
+
+/// Number of links, for a step that visits them all, and for which there is room.
+fn links_to_check(shared: &SharedHierarchy) -> Result<usize> {
+    let hierarchy = shared.read().unwrap_or_else(PoisonError::into_inner);
+    hierarchy.check_step(0)?;
+    Ok(hierarchy.links.len())
 }
 
 /// Removes the links whose error exceeds the allowed error, and returns their pairs.
 pub(super) fn take_inaccurate(shared: &SharedHierarchy, parallel: &mut impl Parallel) -> Result<Vec<(u32, u32)>> {
-    let count = shared.read().unwrap_or_else(PoisonError::into_inner).links.len();
+    let count = links_to_check(shared)?;
     let hierarchy = Arc::clone(shared);
     let flags = parallel.map(count.div_ceil(LINKS_PER_TASK), move |block| {
         let hierarchy = hierarchy.read().unwrap_or_else(PoisonError::into_inner);
@@ -247,7 +306,7 @@ pub(super) fn take_inaccurate(shared: &SharedHierarchy, parallel: &mut impl Para
 
 /// Measures the visible fraction of each link anew, by the current radiosities.
 pub(super) fn measure_visibility(shared: &SharedHierarchy, parallel: &mut impl Parallel) -> Result<()> {
-    let count = shared.read().unwrap_or_else(PoisonError::into_inner).links.len();
+    let count = links_to_check(shared)?;
     let hierarchy = Arc::clone(shared);
     let visible = parallel.map(count.div_ceil(LINKS_PER_TASK), move |block| {
         let hierarchy = hierarchy.read().unwrap_or_else(PoisonError::into_inner);

@@ -28,6 +28,7 @@ use crate::control::Parallel;
 use crate::emitter::{DirectedPoint, Emitter, Receiver};
 use crate::error::Result;
 use crate::math::{DVec3, HitPoint, Ray, Vec3};
+use crate::room::collected;
 use crate::sampling::{hash, solid_angle};
 use crate::scene::Scene;
 use crate::spectrum::Rgb;
@@ -178,7 +179,7 @@ pub(super) fn divide(shared: &SharedHierarchy, parallel: &mut impl Parallel) -> 
         }
         for leaf in wrong {
             hierarchy.divide(leaf);
-            hierarchy.oracle.elements.check(hierarchy.bytes())?;
+            hierarchy.check_growth(0)?;
         }
     }
 }
@@ -188,6 +189,8 @@ pub(super) fn estimate(shared: &SharedHierarchy, parallel: &mut impl Parallel) -
     let new: Arc<[u32]> = {
         let hierarchy = shared.read().unwrap_or_else(PoisonError::into_inner);
         let Some(sampled) = &hierarchy.sampled else { return Ok(()) };
+        // The list of all leaves' light grows beside what is found.
+        hierarchy.check_step(2 * size_of::<LeafLight>() * hierarchy.oracle.elements.nodes.len())?;
         leaves(&hierarchy.oracle.elements).filter(|&leaf| sampled.of(leaf).error.is_nan()).collect()
     };
     let of = |light: &SampledLight, oracle: &RefinementOracle, leaf| light.tried(oracle, leaf);
@@ -209,6 +212,7 @@ pub(super) fn measure(shared: &SharedHierarchy, parallel: &mut impl Parallel) ->
         if hierarchy.sampled.is_none() {
             return Ok(());
         }
+        hierarchy.check_step(0)?;
         leaves(&hierarchy.oracle.elements).collect()
     };
     let of = |light: &SampledLight, oracle: &RefinementOracle, leaf| light.measured(oracle, leaf);
@@ -236,14 +240,14 @@ fn for_leaves<R: Send + 'static>(
     of: impl Fn(&SampledLight, &RefinementOracle, u32) -> R + Send + Sync + 'static,
     parallel: &mut impl Parallel,
 ) -> Result<Vec<R>> {
-    let (hierarchy, leaves) = (Arc::clone(shared), Arc::clone(leaves));
+    let (hierarchy, leaves, count) = (Arc::clone(shared), Arc::clone(leaves), leaves.len());
     let found = parallel.map(leaves.len().div_ceil(LEAVES_PER_TASK), move |block| {
         let hierarchy = hierarchy.read().unwrap_or_else(PoisonError::into_inner);
         let Some(light) = &hierarchy.sampled else { return Vec::new() };
         let leaves = leaves[block * LEAVES_PER_TASK..].iter().take(LEAVES_PER_TASK);
         leaves.map(|&leaf| of(light, &hierarchy.oracle, leaf)).collect()
     })?;
-    Ok(found.into_iter().flatten().collect())
+    collected(found.into_iter().flatten(), count)
 }
 
 /// What was measured at a leaf.

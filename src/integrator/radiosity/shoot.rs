@@ -45,6 +45,7 @@ pub(super) fn shoot(
     parallel: &mut impl Parallel,
 ) -> Result<(Convergence, DVec3)> {
     let mut hierarchy = shared.write().unwrap_or_else(PoisonError::into_inner);
+    hierarchy.check_step(0)?;
     hierarchy.emit();
     let mut unshot_light = UnshotLight::new(&hierarchy);
     let mut convergence = Convergence { residual: 1.0, bound: f64::INFINITY, ..Convergence::default() };

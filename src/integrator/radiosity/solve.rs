@@ -270,7 +270,7 @@ mod tests {
             });
         }
         let scene = Scene::build(&SceneDesc::default(), &BuildOptions::default()).unwrap();
-        let mut hierarchy = LinkHierarchy::new(&scene, elements);
+        let mut hierarchy = LinkHierarchy::new(&scene, elements).unwrap();
         for (receiver, source) in (0..6).flat_map(|i| (0..6).map(move |j| (i, j))) {
             if receiver != source {
                 // Full precision: the factor in single precision, and its rounding error as a second link.
@@ -291,7 +291,7 @@ mod tests {
                 }
             }
         }
-        hierarchy.sort();
+        hierarchy.sort().unwrap();
         Arc::new(RwLock::new(hierarchy))
     }
 

@@ -187,7 +187,7 @@ mod tests {
         let desc = desc::parse(&scene.to_string(), "".as_ref(), None).unwrap();
         let scene = Scene::build(&desc, &BuildOptions::default()).unwrap();
         let elements = Elements::new(&scene, Some(0.05), 1 << 30).unwrap();
-        let mut hierarchy = LinkHierarchy::new(&scene, elements);
+        let mut hierarchy = LinkHierarchy::new(&scene, elements).unwrap();
         hierarchy.divide_lamps(|| Ok(())).unwrap();
         let elements = hierarchy.oracle.elements;
         (scene, elements)
