@@ -5,6 +5,7 @@ use crate::camera::Camera;
 use crate::desc::CameraDesc;
 use crate::film::Image;
 use crate::math::{HitPoint, Ray, Vec3};
+use crate::room::{filled, with_room};
 use crate::scene::Scene;
 use crate::{Error, Result};
 
@@ -54,8 +55,9 @@ pub fn draw(
         return Err(Error::invalid("render.resolution", message));
     }
     let camera = Camera::new(camera, resolution, scene.centre())?;
-    let mut rgb = shading(scene, &camera, resolution);
-    let mut nearest = vec![f32::INFINITY; pixels as usize];
+    let mut rgb = with_room(3 * pixels as usize)?;
+    let mut nearest = filled(f32::INFINITY, pixels as usize)?;
+    shade(scene, &camera, resolution, &mut rgb);
     for photon in photons {
         let Some((pixel, distance)) = seen(scene, &camera, resolution, photon) else { continue };
         if distance < nearest[pixel] {
@@ -67,9 +69,8 @@ pub fn draw(
     Ok(Image { width, height, rgb, ..Image::default() })
 }
 
-/// The scene in grey by how much a surface faces the eye; black where there is no surface.
-fn shading(scene: &Scene, camera: &Camera, [width, height]: [u32; 2]) -> Vec<f32> {
-    let mut rgb = Vec::with_capacity(3 * width as usize * height as usize);
+/// Adds the pixels of the scene in grey by how much a surface faces the eye; black where there is no surface.
+fn shade(scene: &Scene, camera: &Camera, [width, height]: [u32; 2], rgb: &mut Vec<f32>) {
     for y in 0..height {
         for x in 0..width {
             let ray = camera.ray(x as f32 + 0.5, y as f32 + 0.5);
@@ -80,7 +81,6 @@ fn shading(scene: &Scene, camera: &Camera, [width, height]: [u32; 2]) -> Vec<f32
             rgb.extend([grey; 3]);
         }
     }
-    rgb
 }
 
 /// The pixel in which the eye sees a photon, and its distance.

@@ -21,7 +21,7 @@ use crate::control::Parallel;
 use crate::desc::RenderDesc;
 use crate::error::Result;
 use crate::math::{DVec3, Ray, Vec3};
-use crate::room::check_room;
+use crate::room::{check_room, check_room_of_threads, grow};
 use crate::sampling::{Sampler as _, SobolSampler};
 use crate::scene::Scene;
 use crate::spectrum::{Rgb, Spectrum};
@@ -160,13 +160,19 @@ pub fn shoot_in<C: Spectrum>(
     let size = BLOCK.min((job.most / PHOTONS_A_PATH).max(1) as u32);
     let blocks = job.paths.div_ceil(size) as usize;
     let mut shot = PhotonBatch::default();
-    let (mut start, mut count) = (0, 1);
+    let (mut start, mut count) = (0, 1_usize);
+    // The photons that a block is expected to store at most.
+    let mut each = size as usize * PHOTONS_A_PATH;
     while start < blocks {
+        // The blocks' own lists have grown to twice their room, beside what they were.
+        let bytes = count.saturating_mul(each).saturating_mul(2 * size_of::<Photon<C>>());
+        check_room_of_threads(bytes, scene.device().threads())?;
         let photon_tracer = Arc::clone(&photon_tracer);
         let shots = parallel.map(count, move |block| {
             let first = (start + block) as u32 * size;
             photon_tracer.block(first, first.saturating_add(size).min(job.paths))
         })?;
+        let shots = shots.into_iter().collect::<Result<Vec<_>>>()?;
         start += count;
         // A vector that grows to twice its room has its old items beside the new ones.
         let photons = shot.photons.len() + shots.iter().map(|block| block.photons.len()).sum::<usize>();
@@ -176,7 +182,7 @@ pub fn shoot_in<C: Spectrum>(
             shot.tally.add(&block.tally);
         }
         // As many blocks follow as fit even if each stores twice as many photons as the blocks so far.
-        let each = 2 * shot.photons.len().div_ceil(start).max(1);
+        each = 2 * shot.photons.len().div_ceil(start).max(1);
         let fits = job.most.saturating_sub(shot.photons.len()) / each;
         if fits == 0 && start < blocks {
             shot.cut_from = Some(job.paths.into());
@@ -208,11 +214,13 @@ struct PhotonTracer<C: Spectrum> {
 }
 
 impl<C: Spectrum> PhotonTracer<C> {
-    fn block(&self, from: u32, to: u32) -> PhotonBatch<C> {
+    fn block(&self, from: u32, to: u32) -> Result<PhotonBatch<C>> {
         let mut sampler = self.sampler.clone();
         let mut tracer = SceneTracer::new(&self.scene);
         let mut shot = PhotonBatch::default();
         for path in from..to {
+            // Hardly any path stores more, and the list grows to twice its room.
+            grow(&mut shot.photons, PHOTONS_A_PATH)?;
             sampler.start(self.pass, path);
             shot.tally.paths += 1;
             let (u, d) = (sampler.next_4d(), sampler.next_4d());
@@ -225,7 +233,7 @@ impl<C: Spectrum> PhotonTracer<C> {
             }
         }
         shot.tally.rays = tracer.rays;
-        shot
+        Ok(shot)
     }
 
     /// A power as it is tallied: as RGB.
