@@ -12,6 +12,7 @@ use crate::desc::{GridDesc, GridPoints};
 use crate::lighting::{Calculation, exterior_illuminance};
 use crate::math::DVec3;
 use crate::photometry::{LUMENS_PER_WATT, TEMPERATURES, of_luminance_one, planckian};
+use crate::room::collected;
 use crate::spectrum::Rgb;
 
 /// Measures light at points, and returns when the values are there: illuminance, lx, of small planes, or luminance [cd m^-2] of
@@ -53,8 +54,8 @@ pub unsafe extern "C" fn etd_scene_measure(
                 need(out_standard_errors, "out_standard_errors")?;
             }
             let points = items(points, count, "points")?;
-            let position = points.iter().map(|point| DVec3::from(point.position)).collect();
-            let directions = points.iter().map(|point| DVec3::from(point.direction)).collect();
+            let position = collected(points.iter().map(|point| DVec3::from(point.position)), points.len())?;
+            let directions = collected(points.iter().map(|point| DVec3::from(point.direction)), points.len())?;
             let points = match read::enumeration("quantity", quantity)? {
                 ETD_QUANTITY_ILLUMINANCE => GridPoints::Points { points: position, normals: directions },
                 ETD_QUANTITY_LUMINANCE => GridPoints::Views { points: position, directions },
@@ -75,7 +76,7 @@ pub unsafe extern "C" fn etd_scene_measure(
                 rest.report(progress.fraction, report)
             })?;
             job.log(&summary);
-            let measured = calculation.measured();
+            let measured = calculation.try_measured()?;
             // Both lists have `count` numbers.
             out_values.copy_from_nonoverlapping(measured.values.as_ptr(), count);
             if !out_standard_errors.is_null() {

@@ -157,6 +157,14 @@ impl GridDesc {
         Ok(())
     }
 
+    /// Number of points of a grid that has been checked.
+    pub(crate) fn count(&self) -> usize {
+        match &self.points {
+            GridPoints::Plane(plane) => plane.counts.iter().map(|count| *count as usize).product(),
+            GridPoints::Points { points, .. } | GridPoints::Views { points, .. } => points.len(),
+        }
+    }
+
     /// The points of a grid that has been checked, each with its unit normal or unit direction. Those of a plane are row by
     /// row: the number along `u` grows first.
     pub fn places(&self) -> Vec<[DVec3; 2]> {
@@ -165,7 +173,11 @@ impl GridDesc {
                 let ([columns, rows], normal) = (plane.counts, plane.unit_normal());
                 // Without a zero that is negative, which tables would show.
                 let normal = normal + DVec3::ZERO;
-                (0..rows).flat_map(|j| (0..columns).map(move |i| [plane.middle([i, j]), normal])).collect()
+                let cells = (0..rows).flat_map(|j| (0..columns).map(move |i| [i, j]));
+                // The list knows its length, and does not grow.
+                let mut places = Vec::with_capacity(self.count());
+                places.extend(cells.map(|cell| [plane.middle(cell), normal]));
+                places
             }
             GridPoints::Points { points, normals: directions } | GridPoints::Views { points, directions } => {
                 let of = |number: usize| directions.get(number).or(directions.first()).copied().unwrap_or(DVec3::Y);

@@ -54,6 +54,9 @@ enum ProbeTransport {
 }
 
 impl Probes {
+    /// Memory of a point.
+    pub(crate) const BYTES_A_POINT: usize = size_of::<(HitPoint, Vec3)>();
+
     /// Probes at these points (at least one) of a scene, by path tracing. `path.max_depth` counts the point itself as the
     /// first hit, so 1 gives direct light alone.
     pub fn new(scene: &Scene, probes: &[Probe], quantity: ProbeQuantity, path: Path) -> Self {

@@ -41,10 +41,11 @@ use std::ops::ControlFlow;
 use crate::Cancel;
 use crate::desc::GridDesc;
 use crate::error::Result;
-use crate::integrator::{Probe, ProbeQuantity};
+use crate::integrator::{Probe, ProbeQuantity, Probes};
 use crate::math::DVec3;
 use crate::photometry::LUMENS_PER_WATT;
 use crate::render::{Progress, Render, RenderSettings, Summary};
+use crate::room::{check_room, collected};
 use crate::scene::Scene;
 
 /// The target error of render settings, a relMSE, that asks for this relative standard error: the root of the mean square over
@@ -86,6 +87,9 @@ pub struct Statistics {
     pub worst_relative_error: f64,
 }
 
+/// Memory of a point while a calculation begins or its results are read.
+const BYTES_A_POINT: usize = size_of::<[DVec3; 2]>() + size_of::<Probe>() + 2 * Probes::BYTES_A_POINT;
+
 impl Calculation {
     /// Prepares to find the light at the points of a grid.
     ///
@@ -99,8 +103,11 @@ impl Calculation {
     pub fn new(scene: &Scene, grid: &GridDesc, settings: RenderSettings) -> Result<Self> {
         grid.check("grid")?;
         let quantity = if grid.is_luminance() { ProbeQuantity::Radiance } else { ProbeQuantity::Irradiance };
+        let count = grid.count();
+        // The points as they are described, as probes and as the render has them; later there are the results in their place.
+        check_room(count.saturating_mul(BYTES_A_POINT))?;
         let probe = |[position, direction]: [DVec3; 2]| Probe { position, direction };
-        let probes: Vec<Probe> = grid.places().into_iter().map(probe).collect();
+        let probes = collected(grid.places().into_iter().map(probe), count)?;
         Ok(Self { render: Render::probes(scene, settings, &probes, quantity)?, count: probes.len() })
     }
 
@@ -116,6 +123,12 @@ impl Calculation {
     /// What stops the next [`Calculation::run`].
     pub fn set_cancel(&mut self, cancel: Cancel) {
         self.render.set_cancel(cancel);
+    }
+
+    /// The same as [`Calculation::measured`], with an error where there is no memory for the results.
+    pub(crate) fn try_measured(&self) -> Result<Measured> {
+        check_room(self.count.saturating_mul(BYTES_A_POINT))?;
+        Ok(self.measured())
     }
 
     /// The present results.
