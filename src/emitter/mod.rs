@@ -62,6 +62,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use crate::math::{DVec3, HitPoint, Vec3};
+use crate::room::with_room;
 use crate::sampling::Distribution1D;
 use crate::shape::{Sphere, Triangle};
 use crate::spectrum::{LUMINANCE_WEIGHTS, Rgb};
@@ -352,7 +353,7 @@ impl EmitterSet {
     /// # Errors
     /// [`crate::ErrorKind::Cancelled`].
     pub fn cancellable(emitters: Vec<Emitter>, cancel: &Cancel) -> Result<Self> {
-        let mut powers = Vec::with_capacity(emitters.len());
+        let mut powers = with_room(emitters.len())?;
         let weights = LUMINANCE_WEIGHTS.to_f64();
         for block in emitters.chunks(1 << 14) {
             cancel.check()?;

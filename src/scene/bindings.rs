@@ -26,6 +26,7 @@ use crate::emitter::{
 use crate::error::{Error, ErrorKind, Result};
 use crate::math::{Bounds, DVec3, Vec3};
 use crate::photometry::LUMENS_PER_WATT;
+use crate::room::{collected, grow, with_room};
 use crate::shape::{Analytic, Sphere, Triangle};
 use crate::spectrum::Rgb;
 
@@ -84,7 +85,7 @@ pub(super) fn bindings(
     let owners = unbound.geometries.iter().map(|geometry| dresser.geometry(geometry)).collect::<Result<_>>()?;
     let list_owners = dresser.analytic(unbound.list.shapes(), &[], unbound.list_surfaces)?;
     dresser.light_from_infinity(&unbound, kept, threads)?;
-    let pairs = dresser.append_backs();
+    let pairs = dresser.append_backs()?;
     let spectra = dresser.spectra.lights()?;
     let emitters = EmitterSet::cancellable(dresser.emitters, &progress.cancel)?.with_backs(&pairs);
     let emitters = emitters.with_spectra(&dresser.spectra.pairs, spectra);
@@ -177,11 +178,19 @@ fn texture_of<'a>(
 
 impl BindingBuilder<'_, '_> {
     /// Adds the emitters of other sides to the list; returns the pairs of numbers of both sides.
-    fn append_backs(&mut self) -> Vec<[u32; 2]> {
+    fn append_backs(&mut self) -> Result<Vec<[u32; 2]>> {
         let first = self.emitters.len() as u32;
-        let pairs = self.backs.iter().zip(first..).map(|((front, _), back)| [*front, back]).collect();
+        grow(&mut self.emitters, self.backs.len())?;
+        let pairs = self.backs.iter().zip(first..).map(|((front, _), back)| [*front, back]);
+        let pairs = collected(pairs, self.backs.len())?;
         self.emitters.extend(std::mem::take(&mut self.backs).into_iter().map(|(_, emitter)| emitter));
-        pairs
+        Ok(pairs)
+    }
+
+    /// Makes room for the emitters of so many triangles, on both sides where there are lamps of two sides.
+    fn make_room(&mut self, count: usize, emits_both: bool) -> Result<()> {
+        grow(&mut self.emitters, count)?;
+        grow(&mut self.backs, if emits_both { count } else { 0 })
     }
 
     /// Adds an emitter whose light has this spectrum.
@@ -322,7 +331,10 @@ impl BindingBuilder<'_, '_> {
         self.check_textures(geometry)?;
         match geometry {
             Geometry::Loose { triangles, parts, .. } => {
-                let mut owners = Vec::with_capacity(parts.len());
+                let mut owners = with_room(parts.len())?;
+                let emitting = || parts.iter().filter(|part| self.emission(part.surface).is_some());
+                let (count, emits_both) = (emitting().count(), emitting().any(|part| self.emits_both(part.surface)));
+                self.make_room(count, emits_both)?;
                 progress.each(parts.len(), cost::EMITTER, |i| {
                     let surface = parts[i].surface;
                     let emitter = self
@@ -336,6 +348,7 @@ impl BindingBuilder<'_, '_> {
                 let mut first = NO_EMITTER;
                 if let Some(radiance) = self.emission(surface) {
                     first = self.emitters.len() as u32;
+                    self.make_room(triangles.mesh.indices().len(), self.emits_both(surface))?;
                     progress.each(triangles.mesh.indices().len(), cost::EMITTER, |i| {
                         self.emit(geometry, triangles, i, surface, radiance);
                     })?;

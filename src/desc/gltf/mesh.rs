@@ -6,6 +6,7 @@ use super::super::json::elided;
 use super::accessor::{Accessors, Allowed, unsupported};
 use super::document::{Primitive, missing};
 use crate::math::DVec3;
+use crate::room::check_room;
 use crate::{Error, Result};
 
 /// Most vertices and most triangles of all meshes of a document, each mesh counted as often as it is deformed.
@@ -17,6 +18,11 @@ pub(super) const COLOR: &str = "COLOR_0";
 
 /// The attribute of the tangents of normal maps.
 const TANGENT: &str = "TANGENT";
+
+/// Memory of a vertex of a primitive with all attributes: as the file has them, and as they are kept.
+const BYTES_A_VERTEX: usize = 160;
+/// Memory of a triangle, with its indices as the file has them.
+const BYTES_A_TRIANGLE: usize = 6 * size_of::<u32>();
 
 /// The triangles of a primitive in the frame of its mesh.
 #[derive(Clone, Debug)]
@@ -135,6 +141,9 @@ impl<'a> Meshes<'a> {
         };
         let triangle_count = if mode == 4 { corners / 3 } else { corners.saturating_sub(2) };
         self.spend(path, count, triangle_count)?;
+        let bytes =
+            count.saturating_mul(BYTES_A_VERTEX).saturating_add(triangle_count.saturating_mul(BYTES_A_TRIANGLE));
+        check_room(bytes).map_err(|error| error.at(path))?;
         let positions: Vec<_> =
             accessors.floats::<3>(&at("POSITION"), positions, Allowed::Floats)?.into_iter().map(double).collect();
         let per_vertex = |key: &str, index: u64| {

@@ -7,6 +7,7 @@ use super::cone::Cone;
 use super::{IS_EMITTER, LightTree, NONE, Node, WIDTH};
 use crate::emitter::Emitter;
 use crate::math::{Bounds, DVec3, Vec3};
+use crate::room::check_room;
 use crate::{Cancel, Result};
 
 /// Bins for splits along each axis.
@@ -178,6 +179,8 @@ fn intensity_per_power(emitter: &Emitter) -> f64 {
 impl LightTree {
     /// The tree of those emitters whose power is above 0; `powers` are finite, and one of them is above 0.
     pub(in crate::emitter) fn new(emitters: &[Emitter], powers: &[f64], cancel: &Cancel) -> Result<Self> {
+        // Their numbers, the items of them, the nodes and the slots of the nodes.
+        check_room(emitters.len().saturating_mul(size_of::<BuildItem>() + size_of::<Node>() / 2 + 16))?;
         let emitting: Vec<u32> = (0..emitters.len() as u32).filter(|&i| powers[i as usize] > 0.0).collect();
         let mut all = Bounds::EMPTY;
         let mut total = 0.0;
