@@ -5,11 +5,16 @@ use etendue::output::{self, Metrics, REL_MSE_EPSILON, ToneMap};
 use serde::Serialize;
 
 use crate::args::CompareArgs;
+use crate::failure::check_room;
 use crate::{Failure, console};
 
-/// FLIP holds about 130 bytes per pixel (measured on 2000 x 2000), and a lack of memory in its C++ ends the program:
-/// larger images are not given to it.
+/// FLIP holds about 130 bytes per pixel (measured on 2000 x 2000): larger images are not given to it.
 const MAX_FLIP_PIXELS: u64 = 1 << 24;
+
+/// Address space that FLIP is given for each pixel, with its images and its result, and besides: 76 bytes are enough (measured on 9 and 16
+/// million pixels). A lack of memory in its C++ ends the program.
+const FLIP_BYTES: usize = 96;
+const FLIP_BYTES_BESIDES: usize = 1 << 20;
 
 /// All differences that are measured.
 #[derive(Serialize)]
@@ -43,6 +48,9 @@ pub fn compare(args: &CompareArgs) -> Result<u8, Failure> {
 /// Mean over the pixels of FLIP for low dynamic range (Andersson et al. 2020, "FLIP: A Difference Evaluator for
 /// Alternating Images") between the images as 8-bit sRGB, seen at the default distance of 67 pixels per degree.
 fn mean_flip(a: &Image, b: &Image, exposure: f32) -> Result<f64, Failure> {
+    let pixels = a.width as usize * a.height as usize;
+    check_room(FLIP_BYTES * pixels + FLIP_BYTES_BESIDES)
+        .map_err(|failure| Failure::running(format!("FLIP: {failure} (--no-flip leaves it out)")))?;
     let picture = |image: &Image| -> Result<_, Failure> {
         let pixels = output::to_srgb8(image, ToneMap::Clamp, exposure)?;
         Ok(nv_flip::FlipImageRgb8::with_data(image.width, image.height, &pixels))

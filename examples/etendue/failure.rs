@@ -31,6 +31,15 @@ impl Failure {
     }
 }
 
+/// Fails where this many bytes cannot be had at once. They are given back, for allocations that would end the process.
+pub fn check_room(bytes: usize) -> Result<(), Failure> {
+    let mut list = Vec::<u8>::new();
+    list.try_reserve_exact(bytes).map_err(|_| Failure::running(format!("no room for {bytes} bytes")))?;
+    // The compiler may leave out an allocation that nobody uses.
+    drop(std::hint::black_box(list));
+    Ok(())
+}
+
 impl Display for Failure {
     /// The message in one line.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {

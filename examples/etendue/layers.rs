@@ -10,6 +10,7 @@ use etendue::spectrum::Sensor;
 
 use crate::args::{RenderArgs, WavelengthRange};
 use crate::console::{self, Bar};
+use crate::failure::check_room;
 use crate::{Failure, interrupt};
 
 /// Number of bands of a film.
@@ -72,9 +73,10 @@ pub fn render(scene: &Scene, settings: &RenderSettings, bands: Bands, quiet: boo
             console::warn(format!("stopped: {} of {count} spectral layers are written", layers.len()));
             break;
         }
-        let rgb = render.image().rgb;
+        let rgb = render.film().try_develop().map_err(Failure::running)?.rgb;
         for band in wanted {
             let name = output::spectral_layer(first + width * (band as f64 + 0.5));
+            check_room(rgb.len() / A_FILM * size_of::<f32>())?;
             let data = rgb.iter().skip(band - begin).step_by(A_FILM).copied().collect();
             layers.push(Layer { name, channels: 1, data });
         }

@@ -19,6 +19,7 @@ use etendue::scene::{BuildOptions, Scene};
 use crate::args::{InfoArgs, RenderArgs, Switch};
 use crate::checkpoint;
 use crate::console::{self, Bar};
+use crate::failure::check_room;
 use crate::layers::{self, Bands};
 use crate::stats::Stats;
 use crate::{Failure, interrupt};
@@ -96,6 +97,9 @@ fn film(scene: &SceneDesc) -> String {
 
 /// The greatest number of meshes that `info` names.
 const NAMED_MESHES: usize = 20;
+
+/// Memory of a pixel of an image with all layers that there can be.
+const IMAGE_BYTES: usize = 20 * size_of::<f32>();
 
 /// What was read from mesh files, a line for each mesh.
 fn files(scene: &SceneDesc) -> String {
@@ -278,13 +282,15 @@ fn render_frame<R: Runner>(
     let write = |image: &Image, samples: u32, attributes| {
         write_all(args, number, image, comments(&args.scene, &desc, samples), attributes)
     };
+    let pixels = desc.resolution.into_iter().map(|length| length as usize).product::<usize>();
     let mut failure = None;
     let summary = {
         let bar = Bar::new(args.quiet);
         let mut report = |progress: &Progress| {
             bar.show(progress.fraction, status(progress));
             if let (true, Some(image)) = (args.progressive, progress.image) {
-                failure = write(&image(), progress.samples_done, Vec::new()).err();
+                let developed = check_room(pixels * IMAGE_BYTES);
+                failure = developed.and_then(|()| write(&image(), progress.samples_done, Vec::new())).err();
             }
             if failure.is_some() || interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
@@ -298,7 +304,7 @@ fn render_frame<R: Runner>(
     if summary.stopped && summary.rays == 0 {
         console::warn("stopped before the first ray: no image is written");
     } else {
-        let mut image = render.image();
+        let mut image = render.film().try_develop().map_err(Failure::running)?;
         let mut attributes = output::summary_attributes(&summary);
         if let Some(bands) = bands.filter(|_| !summary.stopped) {
             let spectral = layers::render(scene, &settings, bands, args.quiet)?;

@@ -15,6 +15,7 @@ use etendue::scene::{BuildOptions, Scene};
 
 use crate::args::{LuxArgs, LuxMethod};
 use crate::console::{self, Bar};
+use crate::failure::check_room;
 use crate::render::{load, place};
 use crate::{Failure, interrupt};
 
@@ -26,6 +27,10 @@ const MOST_BY_ERROR: u32 = 1 << 20;
 
 /// The name of the grid that options describe.
 const PLANE: &str = "plane";
+
+/// Memory of a point's results, and of what a file says of it until it is written: JSON takes the most.
+const RESULT_BYTES: usize = 128;
+const OUTPUT_BYTES: usize = 1600;
 
 /// A grid with its results.
 struct GridResult {
@@ -96,6 +101,8 @@ pub fn lux(args: &LuxArgs) -> Result<u8, Failure> {
         if summary.stopped && summary.rays == 0 {
             break;
         }
+        let bytes = if args.output.is_empty() { RESULT_BYTES } else { RESULT_BYTES + OUTPUT_BYTES };
+        check_room(bytes * count(&grid))?;
         let measured = calculation.measured();
         let factors = exterior.filter(|_| !grid.is_luminance()).map(|outside| measured.relative_to(outside));
         result.grids.push(GridResult { places: grid.places(), grid, measured, factors, summary });
@@ -115,6 +122,14 @@ pub fn lux(args: &LuxArgs) -> Result<u8, Failure> {
         write(args, &result, path).map_err(Failure::running)?;
     }
     Ok(if stopped { interrupt::EXIT_CODE } else { 0 })
+}
+
+/// Number of points of a grid.
+fn count(grid: &GridDesc) -> usize {
+    match &grid.points {
+        GridPoints::Plane(plane) => plane.counts.iter().map(|count| *count as usize).product(),
+        GridPoints::Points { points, .. } | GridPoints::Views { points, .. } => points.len(),
+    }
 }
 
 /// The grids of the file and of the options.
