@@ -552,6 +552,7 @@ class Attacks:
         big = self.big_mesh()
         cornell, room = self.scene("cornell.json"), self.scene("caustic-room.json")
         out = ["--output", self.path("limits", "a.exr"), "--quiet"]
+        lamp = self.native("limits/lamp.json", [{"geometry": "mesh", "file": big, "material": "grey", "emission": [1, 2, 3]}])
         radiosity = ["render", cornell, "--integrator", "radiosity", "--spp", "1", "--resolution", "32x24"] + out
         jobs = [
             ("a mesh of a million triangles", ["info", big]),
@@ -586,7 +587,13 @@ class Attacks:
                 (400, "lux 500 x 500", ["lux", cornell, "--plane", "10,10,10", "0,0,500", "500,0,0", "500x500", "--spp", "1", "--quiet"]),
                 (480, "700 x 700 pixels", ["render", room, "--resolution", "700x700", "--spp", "1", "--light-paths"] + out),
                 (340, "a million photons", ["render", room, "--integrator", "photon", "--photons", "1000000", "--spp", "1", "--resolution", "32x24"] + out),
-                (360, "convert a large mesh", ["convert", big, self.path("limits", "c.json"), "--quiet"])):
+                (360, "convert a large mesh", ["convert", big, self.path("limits", "c.json"), "--quiet"]),
+                (200, "a mesh of a million triangles", ["info", big]),
+                (600, "a lamp of a million triangles", ["info", lamp]),
+                (360, "two million photons", ["photons", cornell, "--photons", "2000000", "--output", self.path("limits", "p.ply"), "--quiet"]),
+                (1060, "1500 x 1500 pixels", ["render", room, "--resolution", "1500x1500", "--time", "1", "--light-paths"] + out),
+                (300, "lux 500 x 500 to a file", ["lux", cornell, "--plane", "10,10,10", "0,0,500", "500,0,0", "500x500", "--spp", "1", "--quiet",
+                                                  "--output", self.path("limits", "l.json")])):
             self.attack(f"{size} MB of memory: {name}", *args, limits=[(resource.RLIMIT_AS, size * MIB)], timeout=6)
         for size in (16, 40, 60, 80, 100):
             self.attack(f"{size} MB of memory: cornell.json", "render", cornell, "--resolution", "32x24", "--spp", "1", *out,

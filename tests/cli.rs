@@ -308,6 +308,34 @@ fn compare_prints_json() {
     assert_eq!(json(&["white.png", "white.exr", "--no-flip"])["flip"], serde_json::Value::Null);
 }
 
+/// Runs the program with so much address space.
+#[cfg(target_os = "linux")]
+fn etendue_within(kibibytes: u32, folder: &Path, args: &[&str]) -> Run {
+    let script = format!("ulimit -v {kibibytes} && exec \"$0\" \"$@\"");
+    let mut command = Command::new("sh");
+    command.current_dir(folder).args(["-c", &script]).arg(program()).args(args);
+    command.stdin(Stdio::null()).output().expect("the program runs").into()
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn files_for_which_there_is_no_memory_are_an_error() {
+    let folder = folder();
+    image::GrayImage::new(8000, 8000).save(folder.path().join("large.png")).unwrap();
+    let mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\n".to_owned() + &"f 1 2 3\n".repeat(400_000);
+    fs::write(folder.path().join("large.obj"), mesh).unwrap();
+    for (kibibytes, args) in [
+        (130_000, &["compare", "--no-flip", "large.png", "large.png"][..]),
+        (400_000, &["compare", "--no-flip", "large.png", "large.png"]),
+        (130_000, &["info", "large.obj"]),
+        (180_000, &["info", "large.obj"]),
+    ] {
+        let run = etendue_within(kibibytes, folder.path(), args);
+        assert_eq!(run.code, Some(1), "{args:?} within {kibibytes} KiB: {}", run.stderr);
+        assert!(run.stderr.starts_with(&format!("error: {}: no room for", args.last().unwrap())), "{}", run.stderr);
+    }
+}
+
 #[test]
 fn compare_refuses_what_it_cannot_compare() {
     let folder = folder();

@@ -156,6 +156,49 @@ static etd_status atlas(struct stage *it) {
     return etd_atlas_new(it->scene, &options, &made);
 }
 
+/* The light of the scene at so many points. */
+#define POINTS 20000
+
+static void with_points(struct stage *it) {
+    with_patches(it);
+    it->length = POINTS;
+    it->text = malloc(POINTS * (sizeof(etd_measuring_point) + sizeof(double)));
+    if (it->text == NULL) {
+        _exit(3);
+    }
+}
+
+static etd_status measure(struct stage *it) {
+    const etd_render_options options = short_render(1);
+    etd_measuring_point *points = (etd_measuring_point *)(void *)it->text;
+    double *values = (double *)(void *)(points + POINTS);
+    size_t i;
+    for (i = 0; i < POINTS; ++i) {
+        const etd_measuring_point point = {{(double)(i % 100) / 25 - 2, 1, (double)(i / 100) / 50 - 2}, {0, 1, 0}};
+        points[i] = point;
+    }
+    return etd_scene_measure(it->scene, ETD_QUANTITY_ILLUMINANCE, points, POINTS, &options, values, NULL, NULL);
+}
+
+/* A mesh of a file, whose lines are as short as they can be: what is read of it is many times its size. */
+static void with_obj(struct stage *it) {
+    FILE *file = fopen("memory.obj", "w");
+    int i;
+    (void)it;
+    if (file == NULL) {
+        _exit(3);
+    }
+    for (i = 0; i < 20000; ++i) {
+        fprintf(file, "v %d %d 1\n", i % 100, i / 100);
+    }
+    for (i = 0; i < 40000; ++i) {
+        fprintf(file, "f %d %d %d\n", i % 19000 + 1, i % 19000 + 2, i % 19000 + 101);
+    }
+    fclose(file);
+}
+
+static etd_status read_obj(struct stage *it) { return etd_scene_from_file(it->device, "memory.obj", NULL, &it->scene); }
+
 static void nothing(struct stage *it) { (void)it; }
 
 static etd_status film(struct stage *it) {
@@ -208,7 +251,7 @@ static const struct {
     {"scene of a text", with_text, read_text},      {"radiosity", with_patches, radiosity}, {"paths", with_film, paths},
     {"photons", with_film, photons},                {"atlas", with_patches, atlas},      {"film", nothing, film},
     {"saved film", with_saved_film, save},          {"loaded film", with_saved_film, load}, {"merged film", with_part, merge},
-    {"going on", with_part, go_on},
+    {"going on", with_part, go_on},                 {"points", with_points, measure},       {"mesh of a file", with_obj, read_obj},
 };
 
 enum { DONE, REFUSED, OTHER, ABORTED };
@@ -270,6 +313,7 @@ int main(int argc, char **argv) {
     }
     remove("memory.exr");
     remove("memory.pfm");
+    remove("memory.obj");
     return check_report("memory");
 #endif
 }
