@@ -180,8 +180,8 @@ mod parser_bytes {
     pub const GROWING: usize = 3;
     /// Vertices of the mesh that one element of the file becomes at most, in the mean, where corners combine elements.
     pub const VERTICES_OF_ONE: usize = 3;
-    /// What is held before room is asked for.
-    pub const FIRST: usize = 1 << 20;
+    /// How much more is held at least before room is asked for again.
+    pub const LEAST: usize = 1 << 16;
 }
 
 impl<R: BufRead> Lines<R> {
@@ -202,7 +202,7 @@ impl<R: BufRead> Lines<R> {
             faces: 0,
             shares_indices: true,
             held: 0,
-            expected: parser_bytes::FIRST,
+            expected: 0,
             broken: None,
             failed: None,
             lacking: None,
@@ -214,7 +214,7 @@ impl<R: BufRead> Lines<R> {
         if self.held < self.expected {
             return Ok(());
         }
-        self.expected = self.held + self.held / 8;
+        self.expected = self.held + self.held / 8 + parser_bytes::LEAST;
         self.ask_for(2 * self.expected)
     }
 
