@@ -20,12 +20,15 @@ pub(crate) fn check_room(bytes: usize) -> Result<()> {
 /// Address space that the C library reserves at once for the small allocations of a thread.
 const BYTES_OF_A_THREAD: usize = 64 << 20;
 
+/// Most threads for which address space is asked: more than a machine's memory is refused by the system, limit or not.
+const MOST_THREADS: usize = 8;
+
 /// The same before work of so many threads, each of which may reserve address space for more small allocations than it makes.
 ///
 /// # Errors
 /// [`ErrorKind::OutOfMemory`].
 pub(crate) fn check_room_of_threads(bytes: usize, threads: usize) -> Result<()> {
-    check_room(bytes.saturating_add(BYTES_OF_A_THREAD.saturating_mul(threads)))
+    check_room(bytes.saturating_add(BYTES_OF_A_THREAD * threads.min(MOST_THREADS)))
 }
 
 /// An empty vector with room for `count` items.

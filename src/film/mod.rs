@@ -593,7 +593,7 @@ mod tests {
             assert_eq!((&rgba[..3], rgba[3]), (rgb, 0.5), "every other sample hit something");
         }
         for (kind, name) in
-            [(LayerKind::Depth, "depth"), (LayerKind::Variance, "variance"), (LayerKind::Normal, "normal")]
+            [(LayerKind::Depth, "depth"), (LayerKind::Variance, "variance"), (LayerKind::Indirect, "indirect")]
         {
             let mut data = vec![0.0; kind.channels() * 19 * 17];
             film.layer_into(kind, &mut data).unwrap();
@@ -603,6 +603,13 @@ mod tests {
         film.layer_into(LayerKind::StandardError, &mut errors).unwrap();
         // Of eight replicates at 2 -+ 1, the variance of the mean is 1/7.
         assert_eq!(errors[0..3], [0.0; 3]);
+        // A quarter of each sample was emitted and a half was scattered once.
+        let part = |kind| {
+            let mut data = vec![0.0; 3 * 19 * 17];
+            film.layer_into(kind, &mut data).unwrap();
+            data[3]
+        };
+        assert_eq!([LayerKind::Emission, LayerKind::Direct, LayerKind::Indirect].map(part), [0.5, 1.0, 0.5]);
         assert!(errors[3..6].iter().all(|error| (error - 7.0_f32.sqrt().recip()).abs() < 1e-6), "{errors:?}");
     }
 
@@ -630,7 +637,9 @@ mod tests {
     #[test]
     fn what_is_not_kept_or_does_not_fit_is_refused() {
         let film = film(false);
-        assert!(film.layer_into(LayerKind::Albedo, &mut vec![0.0; 3 * 19 * 17]).is_err());
+        for layer in [LayerKind::Albedo, LayerKind::Direct] {
+            assert!(film.layer_into(layer, &mut vec![0.0; 3 * 19 * 17]).is_err());
+        }
         assert!(film.layer_into(LayerKind::Samples, &mut [0.0; 3]).is_err());
         let mut rgba = vec![5.0; 4 * 19 * 17];
         assert!(film.rgba_into(&mut rgba[1..], false).is_err());

@@ -168,7 +168,9 @@ mod tests {
                     let first = (count % 3 > 0).then_some((value, Vec3::new(0.6, 0.0, -0.8), 1.7));
                     let radiance = if count == 7 { Rgb::splat(f32::NAN) } else { value };
                     let gathering = options.gathering.then_some(state);
-                    from.tile(tile).add_sample(index, PixelSample { radiance, weight: 0.9, gathering, first }, 1);
+                    let parts = [0.2, 0.3].map(|part| radiance * part);
+                    let sample = PixelSample { radiance, weight: 0.9, gathering, first, parts };
+                    from.tile(tile).add_sample(index, sample, 1);
                 }
             }
             for tile in 0..from.tile_count() {
