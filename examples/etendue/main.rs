@@ -19,6 +19,7 @@ mod photons;
 mod render;
 mod stats;
 
+use std::io::{self, Write as _};
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -27,7 +28,11 @@ use crate::args::{Cli, Command};
 use crate::failure::Failure;
 
 fn main() -> ExitCode {
-    let outcome = match Cli::parse().command {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(instead) => return ExitCode::from(say_instead(&instead)),
+    };
+    let outcome = match cli.command {
         Command::Render(args) => render::render(&args, &mut render::Alone),
         Command::Convert(args) => convert::convert(&args),
         Command::Info(args) => render::info(&args),
@@ -41,5 +46,17 @@ fn main() -> ExitCode {
     match outcome {
         Ok(code) => ExitCode::from(code),
         Err(failure) => ExitCode::from(failure.say()),
+    }
+}
+
+/// Says what is said in place of a command: help, the version, or what is wrong with the arguments. Returns the exit code.
+fn say_instead(instead: &clap::Error) -> u8 {
+    let code = u8::try_from(instead.exit_code()).unwrap_or(2);
+    match instead.print().and_then(|()| io::stdout().flush()) {
+        // Who reads the beginning alone has seen what was wanted.
+        Err(error) if code == 0 && error.kind() != io::ErrorKind::BrokenPipe => {
+            Failure::running(format!("cannot write to standard output: {error}")).say()
+        }
+        _ => code,
     }
 }
