@@ -99,7 +99,7 @@ fn film(scene: &SceneDesc) -> String {
 const NAMED_MESHES: usize = 20;
 
 /// Memory of a pixel of an image with all layers that there can be.
-const IMAGE_BYTES: usize = 20 * size_of::<f32>();
+const IMAGE_BYTES: usize = 30 * size_of::<f32>();
 
 /// What was read from mesh files, a line for each mesh.
 fn files(scene: &SceneDesc) -> String {
