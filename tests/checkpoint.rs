@@ -60,6 +60,15 @@ fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
     bytes
 }
 
+/// The beginning of a file with this header, which fits its checksum.
+fn with_header(header: &str) -> Vec<u8> {
+    let mut file = b"\x89ETD\r\n\x1a\n\x01\0\0\0".to_vec();
+    file.extend((header.len() as u32).to_le_bytes());
+    file.extend(header.as_bytes());
+    file.extend(crc32fast::hash(&file).to_le_bytes());
+    file
+}
+
 /// The checkpoint as another process would read it.
 fn moved(checkpoint: &Checkpoint) -> Checkpoint {
     Checkpoint::read_from(&bytes(checkpoint)[..]).unwrap()
@@ -187,10 +196,7 @@ fn parts_of_the_light_go_on_without_being_asked_for_and_cannot_be_added() {
     for (from, to) in [("\"reuse\":false", "\"reuse\":true"), ("\"lightPaths\":0", "\"lightPaths\":9")] {
         let header = header.replace(from, to);
         assert!(header.contains(to), "{header}");
-        let mut forged = begun[..12].to_vec();
-        forged.extend((header.len() as u32).to_le_bytes());
-        forged.extend(header.into_bytes());
-        forged.extend(crc32fast::hash(&forged).to_le_bytes());
+        let mut forged = with_header(&header);
         forged.extend(&begun[16 + length + 4..]);
         let message = Checkpoint::read_from(&forged[..]).unwrap_err().to_string();
         assert!(message.contains("its header is of no render"), "{message}");
@@ -456,11 +462,7 @@ fn what_was_forged_is_refused_or_harmless() {
 #[test]
 fn messages_are_short() {
     let header = format!("{{\"{}\": 1}}", "n".repeat(100_000));
-    let mut forged = b"\x89ETD\r\n\x1a\n\x01\0\0\0".to_vec();
-    forged.extend((header.len() as u32).to_le_bytes());
-    forged.extend(header.into_bytes());
-    forged.extend(crc32fast::hash(&forged).to_le_bytes());
-    let message = Checkpoint::read_from(&forged[..]).unwrap_err().to_string();
+    let message = Checkpoint::read_from(&with_header(&header)[..]).unwrap_err().to_string();
     assert!(message.contains("unknown field `nnn") && message.len() < 1000, "{message}");
 }
 

@@ -158,7 +158,7 @@ impl GridDesc {
     }
 
     /// Number of points of a grid that has been checked.
-    pub(crate) fn count(&self) -> usize {
+    pub fn count(&self) -> usize {
         match &self.points {
             GridPoints::Plane(plane) => plane.counts.iter().map(|count| *count as usize).product(),
             GridPoints::Points { points, .. } | GridPoints::Views { points, .. } => points.len(),

@@ -102,7 +102,7 @@ pub fn lux(args: &LuxArgs) -> Result<u8, Failure> {
             break;
         }
         let bytes = if args.output.is_empty() { RESULT_BYTES } else { RESULT_BYTES + OUTPUT_BYTES };
-        check_room(bytes * count(&grid))?;
+        check_room(bytes * grid.count())?;
         let measured = calculation.measured();
         let factors = exterior.filter(|_| !grid.is_luminance()).map(|outside| measured.relative_to(outside));
         result.grids.push(GridResult { places: grid.places(), grid, measured, factors, summary });
@@ -122,14 +122,6 @@ pub fn lux(args: &LuxArgs) -> Result<u8, Failure> {
         write(args, &result, path).map_err(Failure::running)?;
     }
     Ok(if stopped { interrupt::EXIT_CODE } else { 0 })
-}
-
-/// Number of points of a grid.
-fn count(grid: &GridDesc) -> usize {
-    match &grid.points {
-        GridPoints::Plane(plane) => plane.counts.iter().map(|count| *count as usize).product(),
-        GridPoints::Points { points, .. } | GridPoints::Views { points, .. } => points.len(),
-    }
 }
 
 /// The grids of the file and of the options.

@@ -18,9 +18,9 @@ impl Render {
     ///
     /// Scene and settings must be those of the checkpoint. These may differ: the number of samples with the samplers `Sobol` and
     /// `Random`, the time limit, the target error, threads, and the plan of further checkpoints. `adaptive`, `reuse`, `light_paths`,
-    /// `first_shadow_rays`, `share` and the layers of first hits and of parts of the light are those of the checkpoint where the settings leave them open. With more samples than the render was
-    /// begun with, an adaptive render chooses among pixels at other numbers of samples than one that was begun with as many, and what
-    /// [`IntegratorDesc::Auto`] chose for fewer samples stays.
+    /// `first_shadow_rays`, `share` and the layers of first hits and of parts of the light are those of the checkpoint where the settings
+    /// leave them open. With more samples than the render was begun with, an adaptive render chooses among pixels at other numbers of samples
+    /// than one that was begun with as many, and what [`IntegratorDesc::Auto`] chose for fewer samples stays.
     ///
     /// [`Summary::rays`](crate::render::Summary::rays) counts those of this render alone, as its time does.
     ///
