@@ -245,7 +245,8 @@ fn power_in_an_empty_room() {
 }
 
 /// Case 56: L = rho E / pi + rho^2 Phi / (4 pi^2 R^2 (1 - rho)) at any place of a sphere with a point light inside, as
-/// irradiance: E + rho Phi / (4 pi R^2 (1 - rho)).
+/// irradiance: E + rho Phi / (4 pi R^2 (1 - rho)). In directions spread evenly: the relative error's mean, root mean square and largest
+/// value. The area of the triangles is 0.25 % below that of the ball with 36 rings, and so its light is brighter.
 #[test]
 fn integrating_sphere() {
     let (radius, albedo, intensity, light) = (2.0, 0.7, 5.0, DVec3::new(0.8, 0.0, 0.0));
@@ -256,23 +257,30 @@ fn integrating_sphere() {
         let settings = RadiosityDesc { element_size: Some(10.0), error: 1.0, ..RadiosityDesc::default() };
         let solution = solve(&desc, &settings);
         let scene = build(&desc);
-        let mut worst = 0.0_f64;
-        for p in [DVec3::new(2.0, 1e-3, 1e-3), DVec3::new(-2.0, 1e-3, 2e-3), DVec3::new(1e-3, 2.0, 1e-3)] {
-            let ray = Ray::new(scene.to_scene(DVec3::ZERO), p.normalize().as_vec3a());
+        let mut found = Vec::new();
+        for k in 0..400 {
+            let (z, phi) = (1.0 - (2.0 * f64::from(k) + 1.0) / 400.0, 2.399_963 * f64::from(k));
+            let r = (1.0 - z * z).sqrt();
+            let p = radius * DVec3::new(r * phi.cos(), r * phi.sin(), z);
+            let ray = Ray::new(scene.to_scene(DVec3::ZERO), (p / radius).as_vec3a());
             let hit = scene.intersect(&ray).unwrap();
             let at = scene.interaction(&ray, &hit);
             let e = f64::from(solution.irradiance(&hit, at.point.p, true).r());
             let to_light = light - p;
             let direct = intensity * to_light.dot(-p).abs() / (radius * to_light.length().powi(3));
             let expected = direct + albedo * 4.0 * PI * intensity / (4.0 * PI * radius * radius * (1.0 - albedo));
-            println!("{e} expected {expected}, direct {direct}");
-            worst = worst.max((e / expected - 1.0).abs());
+            found.push(e / expected - 1.0);
         }
-        println!("{rings} rings: {worst:.5}");
-        errors.push(worst);
+        let mean = found.iter().sum::<f64>() / found.len() as f64;
+        let root = (found.iter().map(|error| error * error).sum::<f64>() / found.len() as f64).sqrt();
+        let worst = found.iter().fold(0.0, |worst: f64, error| worst.max(error.abs()));
+        println!("{rings} rings: mean {mean:.5}, root mean square {root:.5}, worst {worst:.5}");
+        errors.push([mean, root, worst]);
     }
     // 2 * 36 * 72 triangles are 5000, less those at the poles.
-    assert!(errors[1] < 0.01 && errors[1] < 0.6 * errors[0], "{errors:?}");
+    let [coarse, fine] = [errors[0], errors[1]];
+    assert!((fine[0] - 0.0025).abs() < 0.001 && fine[1] < 0.01 && fine[2] < 0.04, "{errors:?}");
+    assert!(fine[1] < 0.6 * coarse[1], "{errors:?}");
 }
 
 /// Inside a ball every point sees the whole ball equally, so that light that was reflected is the same everywhere:
@@ -301,6 +309,58 @@ fn a_ball_loses_no_light() {
             assert!(error.abs() < 0.04, "albedo {albedo}, light at {light}, towards {direction}: {error}");
         }
     }
+}
+
+/// Closed rooms of so many triangles that clusters take part, whose links by themselves lose a tenth of the light. The box has outer sides
+/// that nothing lights.
+#[test]
+fn rooms_of_many_triangles_lose_no_light() {
+    let mut ellipsoid = sphere_inside(18, 1.0);
+    ellipsoid.positions.iter_mut().for_each(|p| *p *= DVec3::new(2.0, 1.0, 0.7));
+    for (name, mesh, albedo) in [("ellipsoid", ellipsoid, 0.97), ("box", box_of_squares(15), 0.8)] {
+        let mut desc = furnace(mesh, albedo, None);
+        desc.lights.push(point_light(DVec3::new(0.1, 0.2, 0.15), 10.0));
+        let solution = solve(&desc, &RadiosityDesc { error: 2.0, ..RadiosityDesc::default() });
+        let lost = solution.summary().lost().unwrap();
+        println!("{name}: {lost}");
+        assert!(lost.abs() < 0.01, "{name}: {lost} is lost");
+    }
+}
+
+/// A dark room of many triangles: what dark walls would bring is left out, and the lamp does not make up for it.
+#[test]
+fn dark_rooms_make_no_light() {
+    let albedo = 0.02;
+    let mut desc = furnace(box_of_squares(15), albedo as f32, None);
+    let lamp = quad([-0.3, 0.8, -0.3], [0.6, 0.0, 0.0], [0.0, 0.0, 0.6]);
+    add(&mut desc, 1, ShapeDesc::Quad(lamp), BsdfDesc::Black, Some(Rgb::splat(5.0)));
+    let summary = *solve(&desc, &RadiosityDesc { error: 3.0, ..RadiosityDesc::default() }).summary();
+    let lost = summary.lost().unwrap();
+    println!("{lost}");
+    // The lamp is black and absorbs what comes back to it, of which little does.
+    assert!(lost.abs() < 0.01, "{lost}");
+}
+
+/// The inside of a cube from -1 to 1, each side of `count` x `count` squares.
+fn box_of_squares(count: u32) -> MeshDesc {
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    for (axis, side) in [0, 1, 2].into_iter().flat_map(|axis| [(axis, -1.0), (axis, 1.0)]) {
+        let at = |i: u32, j: u32| {
+            let [u, v] = [i, j].map(|k| 2.0 * f64::from(k) / f64::from(count) - 1.0);
+            let mut p = [0.0; 3];
+            (p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3]) = (side, u, v);
+            DVec3::from(p)
+        };
+        for (i, j) in (0..count).flat_map(|i| (0..count).map(move |j| (i, j))) {
+            let first = positions.len() as u32;
+            positions.extend([at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
+            // Normals inwards.
+            let order = if side < 0.0 { [1, 2, 3] } else { [3, 2, 1] };
+            let [a, b, c] = order.map(|k| first + k);
+            triangles.extend([[first, a, b], [first, b, c]]);
+        }
+    }
+    MeshDesc { name: "box".into(), positions, triangles, ..MeshDesc::default() }
 }
 
 /// Closed rooms of curved walls and flat lids: at an albedo of 0.97 what links lose or make a bounce is lost or made 33 times.

@@ -4,7 +4,9 @@ use std::f64::consts::FRAC_1_PI;
 use std::ops::AddAssign;
 
 use super::elements::{Elements, NONE, Node};
+use crate::error::Result;
 use crate::math::DVec3;
+use crate::room::filled;
 use crate::spectrum::Rgb;
 
 /// A smooth function of direction for each colour channel: a polynomial of second degree, which spans the same space as
@@ -148,4 +150,24 @@ impl NodeRadiosity {
             sum
         })
     }
+}
+
+/// Intensity of each cluster where patches have these radiosities.
+pub(super) fn intensities(elements: &Elements, radiosity: impl Fn(u32) -> DVec3) -> Result<Vec<DirectionalPolynomial>> {
+    let mut intensity = filled(DirectionalPolynomial::default(), elements.clusters as usize)?;
+    // Children come after their parents.
+    for node in elements.nodes.iter().rev().filter(|node| node.parent != NONE) {
+        let parent = &elements.nodes[node.parent as usize];
+        if !parent.is_cluster() {
+            continue;
+        }
+        let cluster = parent.corners[2] as usize;
+        if node.is_cluster() {
+            let own = intensity[node.corners[2] as usize];
+            intensity[cluster] += &own;
+        } else {
+            intensity[cluster].add_lobe(node.normal, FRAC_1_PI * node.window() * radiosity(node.patch));
+        }
+    }
+    Ok(intensity)
 }

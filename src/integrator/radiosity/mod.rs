@@ -35,12 +35,14 @@
 mod albedo;
 mod elements;
 pub mod form_factor;
+mod gather;
 mod light;
 mod links;
 mod node_irradiance;
 mod oracle;
 mod picture;
 mod refine;
+mod rows;
 mod sampled;
 mod shoot;
 mod solve;
@@ -67,6 +69,7 @@ use crate::spectrum::Rgb;
 use elements::{Elements, NONE};
 use oracle::RefinementOracle;
 use refine::{LinkHierarchy, SharedHierarchy};
+use rows::Rows;
 use solve::Convergence;
 
 /// Size, convergence and cost of a solution.
@@ -361,6 +364,8 @@ fn measure_links(shared: &SharedHierarchy, parallel: &mut impl Parallel) -> Resu
     let at_vertices = vertices::vertices(shared, parallel)?;
     write(shared).oracle.at_vertices = at_vertices;
     refine::measure_visibility(shared, parallel)?;
+    let rows = Rows::new(shared, parallel)?;
+    write(shared).rows = rows.map(Box::new);
     solve::gauss_seidel_iteration(shared, parallel)?;
     Ok(())
 }

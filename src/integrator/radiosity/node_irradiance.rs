@@ -16,7 +16,7 @@ const ITEMS_PER_TASK: usize = 64;
 
 /// Strength of a link's source: radiosity, or radiant intensity towards the receiver.
 #[inline]
-fn strength(oracle: &RefinementOracle, radiosity: &NodeRadiosity, link: &Link) -> DVec3 {
+pub(super) fn strength(oracle: &RefinementOracle, radiosity: &NodeRadiosity, link: &Link) -> DVec3 {
     if link.source >= POINT {
         return oracle.lights[(link.source - POINT) as usize].intensity;
     }
@@ -48,11 +48,24 @@ pub(super) fn received(shared: &SharedHierarchy, parallel: &mut impl Parallel) -
         hierarchy.check_step(0)?;
         hierarchy.clusters.len()
     };
+    received_by(shared, count, parallel, |hierarchy, link| {
+        let oracle = &hierarchy.oracle;
+        Some(strength(oracle, &oracle.radiosity, link))
+    })
+}
+
+/// What each of `count` clusters brings to the surfaces below it, where links have these strengths and those without one bring nothing.
+pub(super) fn received_by(
+    shared: &SharedHierarchy,
+    count: usize,
+    parallel: &mut impl Parallel,
+    strength: impl Fn(&LinkHierarchy, &Link) -> Option<DVec3> + Send + Sync + 'static,
+) -> Result<Vec<DirectionalPolynomial>> {
     let hierarchy = Arc::clone(shared);
     let own = parallel.map(count.div_ceil(ITEMS_PER_TASK), move |block| {
         let hierarchy = hierarchy.read().unwrap_or_else(PoisonError::into_inner);
         let clusters = hierarchy.clusters[block * ITEMS_PER_TASK..].iter().take(ITEMS_PER_TASK);
-        clusters.map(|&node| gathered_by_cluster(&hierarchy, node)).collect::<Vec<_>>()
+        clusters.map(|&node| gathered_by_cluster(&hierarchy, node, &strength)).collect::<Vec<_>>()
     })?;
     let hierarchy = shared.read().unwrap_or_else(PoisonError::into_inner);
     let nodes = &hierarchy.oracle.elements.nodes;
@@ -68,7 +81,11 @@ pub(super) fn received(shared: &SharedHierarchy, parallel: &mut impl Parallel) -
     Ok(received)
 }
 
-fn gathered_by_cluster(hierarchy: &LinkHierarchy, node: u32) -> DirectionalPolynomial {
+fn gathered_by_cluster(
+    hierarchy: &LinkHierarchy,
+    node: u32,
+    strength: &impl Fn(&LinkHierarchy, &Link) -> Option<DVec3>,
+) -> DirectionalPolynomial {
     let oracle = &hierarchy.oracle;
     let mut moments = DirectionalPolynomial::default();
     let centre = oracle.elements.nodes[node as usize].centre;
@@ -76,11 +93,12 @@ fn gathered_by_cluster(hierarchy: &LinkHierarchy, node: u32) -> DirectionalPolyn
         if link.kind == LinkKind::Negligible {
             continue;
         }
+        let Some(strength) = strength(hierarchy, link) else { continue };
         let from = match link.source {
             point @ POINT.. => oracle.lights[(point - POINT) as usize].position,
             source => oracle.elements.nodes[source as usize].centre,
         };
-        let weight = f64::from(link.factor) * f64::from(link.visible) * strength(oracle, &oracle.radiosity, link);
+        let weight = f64::from(link.factor) * f64::from(link.visible) * strength;
         let d = (from - centre).normalize_or_zero();
         if link.kind == LinkKind::Facing { moments.add_linear(d, weight) } else { moments.add_lobe(d, weight) }
     }

@@ -9,6 +9,7 @@ use super::elements::{Elements, Node};
 use super::light::{DirectionalPolynomial, NodeRadiosity};
 use super::links::{Link, POINT, PointLight};
 use super::oracle::{PairDecision, RefinementOracle};
+use super::rows::Rows;
 use super::sampled::SampledLight;
 use crate::control::Parallel;
 use crate::emitter::Emitter;
@@ -58,6 +59,8 @@ pub(super) struct LinkHierarchy {
     pub scale: Vec<Rgb>,
     /// Direct light that no link carries, where the scene has any.
     pub sampled: Option<Box<SampledLight>>,
+    /// Sums of rows, where parts of the scene are closed.
+    pub rows: Option<Box<Rows>>,
 }
 
 /// The hierarchy as the threads of a solution share it.
@@ -88,7 +91,8 @@ impl LinkHierarchy {
             at_vertices: Vec::new(),
         };
         let sampled = SampledLight::new(scene);
-        let mut hierarchy = Self { oracle, links: Vec::new(), first: Vec::new(), clusters, scale: Vec::new(), sampled };
+        let mut hierarchy =
+            Self { oracle, links: Vec::new(), first: Vec::new(), clusters, scale: Vec::new(), sampled, rows: None };
         hierarchy.emit();
         Ok(hierarchy)
     }
@@ -132,6 +136,7 @@ impl LinkHierarchy {
             + size_of::<Link>() * self.links.len()
             + CLUSTER_BYTES * self.clusters.len()
             + self.sampled.as_ref().map_or(0, |sampled| sampled.bytes())
+            + self.rows.as_ref().map_or(0, |rows| rows.bytes())
     }
 
     /// Fails where the hierarchy, with so many bytes beside it, is past the limit or has no room to grow.

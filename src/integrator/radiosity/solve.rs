@@ -10,19 +10,18 @@ use std::sync::{Arc, PoisonError};
 
 use super::elements::Elements;
 use super::form_factor;
+use super::gather::gather_over;
 use super::light::{DirectionalPolynomial, NodeRadiosity};
 use super::links::Link;
 use super::node_irradiance::{leaf_irradiances, leaf_irradiances_with, push_patch, received};
 use super::oracle::RefinementOracle;
 use super::refine::{LinkHierarchy, SharedHierarchy};
-use super::vertices::gather_over;
+use super::rows;
+use super::vertices::LEAVES_PER_TASK;
 use crate::control::Parallel;
 use crate::error::Result;
 use crate::math::DVec3;
 use crate::spectrum::Rgb;
-
-/// Leaves that one task of the thread pool processes.
-const LEAVES_PER_TASK: usize = 64;
 
 /// Rays from a leaf to a source that is partly visible from the leaf's parents, in proportion to the source's fraction
 /// of the leaf's light. With fewer rays, the nearest parts of a source, which are the strongest and seldom hidden,
@@ -108,55 +107,70 @@ pub(super) fn gauss_seidel_iteration(shared: &SharedHierarchy, parallel: &mut im
 /// An element that was subdivided for some of its links keeps other links as a whole, whose light in truth varies over
 /// it: where one child is nearer to the first sources, it is farther from the others. The irradiance of each leaf is
 /// therefore scaled to what the leaf would gather if all links of the elements above it were evaluated at the leaf
-/// itself. In a closed room, the rows of the system sum to one in this way.
+/// itself. In a closed room, its links are also moved until its row sums to one ([`super::rows`]).
 ///
 /// `traces_visibility`: each leaf traces its own visibility to sources that are partly visible from elements above it;
 /// otherwise it uses the visibility of those elements.
 pub(super) fn balance(shared: &SharedHierarchy, traces_visibility: bool, parallel: &mut impl Parallel) -> Result<()> {
     let received = Arc::new(received(shared, parallel)?);
+    rows::update(shared, parallel)?;
     let leaves = Arc::new(leaf_irradiances_with(shared, &received, parallel)?);
-    let hierarchy = Arc::clone(shared);
+    let (hierarchy, leaves_of_task) = (Arc::clone(shared), Arc::clone(&leaves));
     let found = parallel.map(leaves.len().div_ceil(LEAVES_PER_TASK), move |block| {
         let hierarchy = hierarchy.read().unwrap_or_else(PoisonError::into_inner);
-        let scale = |&(leaf, irradiance): &(u32, DVec3)| {
+        let of_leaf = |&(leaf, irradiance): &(u32, DVec3)| {
             // Each channel has its own scale, because direct light and reflected light need different ones.
             let about = traces_visibility.then(|| irradiance.max_element());
-            let better = irradiance_of_leaf(&hierarchy, leaf, &received, about);
-            // What no link brings, and what comes back to a hollow leaf, is that of the leaf itself.
-            let elements = &hierarchy.oracle.elements;
-            let own = elements.kept(leaf, DVec3::ZERO, hierarchy.sampled_over(leaf));
-            let better = elements.kept(leaf, better, DVec3::ZERO);
-            let scale = hierarchy.scale_of(leaf) * better / (irradiance - own);
-            let bounded =
-                |scale: f64| if scale.is_finite() { scale.clamp(SCALE_LIMITS[0], SCALE_LIMITS[1]) } else { 1.0 };
-            (leaf, Rgb::from_f64(DVec3::from(scale.to_array().map(bounded))))
+            irradiance_of_leaf(&hierarchy, leaf, &received, about)
         };
-        leaves[block * LEAVES_PER_TASK..].iter().take(LEAVES_PER_TASK).map(scale).collect::<Vec<_>>()
+        leaves_of_task[block * LEAVES_PER_TASK..].iter().take(LEAVES_PER_TASK).map(of_leaf).collect::<Vec<_>>()
     })?;
+    let found: Vec<LeafIrradiance> = found.into_iter().flatten().collect();
     let mut hierarchy = shared.write().unwrap_or_else(PoisonError::into_inner);
-    let mut scale = vec![Rgb::ONE; hierarchy.oracle.elements.nodes.len()];
-    for (leaf, of_leaf) in found.into_iter().flatten() {
-        scale[leaf as usize] = of_leaf;
+    let RefinementOracle { elements, radiosity, .. } = &hierarchy.oracle;
+    let of_surfaces = leaves.iter().zip(&found).map(|(&(leaf, _), found)| (leaf, found.of_surfaces));
+    let all = hierarchy.rows.as_ref().map_or(DVec3::ONE, |rows| rows.balanced(elements, &radiosity.b, of_surfaces));
+    let mut scale = vec![Rgb::ONE; elements.nodes.len()];
+    for (&(leaf, irradiance), found) in leaves.iter().zip(&found) {
+        // What no link brings, and what comes back to a hollow leaf, is that of the leaf itself.
+        let own = elements.kept(leaf, DVec3::ZERO, hierarchy.sampled_over(leaf));
+        let better = elements.kept(leaf, found.of_points + all * found.of_surfaces, DVec3::ZERO);
+        let of_leaf = hierarchy.scale_of(leaf) * better / (irradiance - own);
+        let bounded = |scale: f64| if scale.is_finite() { scale.clamp(SCALE_LIMITS[0], SCALE_LIMITS[1]) } else { 1.0 };
+        scale[leaf as usize] = Rgb::from_f64(DVec3::from(of_leaf.to_array().map(bounded)));
     }
     hierarchy.scale = scale;
+    if let Some(rows) = &mut hierarchy.rows {
+        rows.keep(all, leaves.iter().zip(&found).map(|(&(leaf, _), found)| (leaf, found.shift)));
+    }
     Ok(())
 }
 
+/// What a leaf gathers where all links end at the leaf itself.
+struct LeafIrradiance {
+    of_points: DVec3,
+    of_surfaces: DVec3,
+    /// How far its links are moved, in their doubts, so that its row sums to one.
+    shift: f64,
+}
+
 /// The irradiance of a leaf, integrated over the same points for all links, so that the quadrature errors of two links
-/// cancel. `about`: the approximate result where the leaf traces its own visibility.
+/// cancel, in closed rooms with links that are moved until the row sums to one. `about`: the approximate result where
+/// the leaf traces its own visibility.
 fn irradiance_of_leaf(
     hierarchy: &LinkHierarchy,
     leaf: u32,
     received: &[DirectionalPolynomial],
     about: Option<f64>,
-) -> DVec3 {
+) -> LeafIrradiance {
     let elements = &hierarchy.oracle.elements;
     let node = &elements.nodes[leaf as usize];
     let (places, weights) = form_factor::places(&elements.triangle(node));
     let is_hidden = |link: &Link| link.visible == 0.0;
     let last = Cell::new((u32::MAX, 0.0));
     let visible = |link: &Link, _, strength: DVec3| {
-        let Some(about) = about.filter(|_| link.receiver != leaf && link.visible < 1.0) else {
+        let is_partly_seen = link.receiver != leaf && link.visible < 1.0;
+        let Some(about) = about.filter(|_| is_partly_seen && strength != DVec3::ZERO) else {
             return f64::from(link.visible);
         };
         if last.get().0 != link.source {
@@ -166,8 +180,16 @@ fn irradiance_of_leaf(
         }
         last.get().1
     };
-    let (sums, from_clusters) = gather_over(hierarchy, leaf, &places, received, is_hidden, &visible);
-    sums.iter().zip(weights).map(|(sum, weight)| weight * sum).sum::<DVec3>() + from_clusters
+    let gathered = gather_over(hierarchy, leaf, &places, received, is_hidden, &visible);
+    let rows = hierarchy.rows.as_deref();
+    let shift = rows.map_or(0.0, |rows| rows.shift_of(leaf, gathered.row(weights)));
+    let mut of = LeafIrradiance { of_points: DVec3::ZERO, of_surfaces: DVec3::ZERO, shift };
+    for (k, weight) in weights.into_iter().enumerate() {
+        let [of_points, of_surfaces] = gathered.at(k, leaf, rows.map(|rows| (rows, shift)));
+        of.of_points += weight * of_points;
+        of.of_surfaces += weight * of_surfaces;
+    }
+    of
 }
 
 fn pull_patch(elements: &Elements, radiosity: &mut NodeRadiosity, number: u32) {
