@@ -43,6 +43,7 @@ fn surface(shape: ShapeDesc, transform: DAffine3, emission: Option<Rgb>) -> Surf
     let path = String::new();
     SurfaceDesc {
         path,
+        name: String::new(),
         shape,
         local: DAffine3::IDENTITY,
         transform,

@@ -91,6 +91,7 @@ fn room(triangles: usize) -> SceneDesc {
     let mut add = |shape, emission| {
         desc.surfaces.push(SurfaceDesc {
             path: format!("surfaces[{}]", desc.surfaces.len()),
+            name: String::new(),
             shape,
             local: DAffine3::IDENTITY,
             transform: DAffine3::IDENTITY,

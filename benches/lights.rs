@@ -41,6 +41,7 @@ const ALBEDOS: [[f32; 3]; 2] = [[0.8, 0.8, 0.78], [0.62, 0.6, 0.58]];
 fn add(desc: &mut SceneDesc, shape: ShapeDesc, material: usize, emission: Option<Rgb>) {
     desc.surfaces.push(SurfaceDesc {
         path: format!("surfaces[{}]", desc.surfaces.len()),
+        name: String::new(),
         shape,
         local: DAffine3::IDENTITY,
         transform: DAffine3::IDENTITY,

@@ -44,6 +44,7 @@ fn add(desc: &mut SceneDesc, shape: ShapeDesc, albedo: f32, emission: Option<Rgb
     let path = String::new();
     desc.surfaces.push(SurfaceDesc {
         path,
+        name: String::new(),
         shape,
         local,
         transform,

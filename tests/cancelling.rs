@@ -71,6 +71,7 @@ fn scene(mesh: MeshDesc, smooth: bool, emission: Option<Rgb>) -> SceneDesc {
         meshes: vec![Arc::new(mesh)],
         surfaces: vec![SurfaceDesc {
             path: "surfaces[0]".into(),
+            name: String::new(),
             shape: ShapeDesc::Mesh { mesh: 0, smooth },
             local: DAffine3::IDENTITY,
             transform: DAffine3::IDENTITY,

@@ -250,6 +250,13 @@ fn hierarchies_are_trees_of_any_depth() {
     assert_eq!(one_warning(&file.load().unwrap()), "scenes[0] is drawn; others are left out: scenes[1] ('second')");
     file.root["scenes"] = json!([]);
     assert_eq!(file.load().unwrap().surfaces.len(), 2);
+
+    // Surfaces have the name of their node, or that of its mesh.
+    file.root["nodes"][0]["name"] = json!("a node");
+    file.root["nodes"][1]["name"] = json!("");
+    file.root["meshes"][0]["name"] = json!("a mesh");
+    let names: Vec<_> = file.load().unwrap().surfaces.into_iter().map(|it| it.name).collect();
+    assert_eq!(names, ["a node", "a mesh"]);
 }
 
 #[test]

@@ -820,6 +820,31 @@ fn simple_shapes_are_read() {
 }
 
 #[test]
+fn surfaces_have_names_or_none() {
+    let ball = |name: &str| {
+        format!(r#"{{"geometry": "sphere", "origin": [0, 0, 0], "radius": 1, "material": "white"{name}}}"#)
+    };
+    let texts = [r#", "name": "ball""#, "", r#", "name": null"#, r#", "name": "ball""#].map(ball);
+    let mut scene = native(&format!("\"surfaces\": [{}]", texts.join(", ")));
+    let names = |scene: &desc::SceneDesc| scene.surfaces.iter().map(|it| it.name.clone()).collect::<Vec<_>>();
+    assert_eq!(names(&scene), ["ball", "", "", "ball"], "one object may have several surfaces");
+    let called: Vec<_> = scene.surfaces.iter().map(desc::SurfaceDesc::object).collect();
+    assert_eq!(called, ["ball", "surfaces[1]", "surfaces[2]", "ball"]);
+    let before = scene.fingerprint().unwrap();
+    scene.set_surface_name(0, "").unwrap();
+    scene.set_surface_name(1, "other").unwrap();
+    assert_eq!(names(&scene), ["", "other", "", "ball"]);
+    assert_eq!(
+        scene.fingerprint().unwrap(),
+        before,
+        "a checkpoint of the scene goes on whatever its surfaces are called"
+    );
+    let text = format!("{{\"etendue\": 1, \"camera\": {{}}, \"surfaces\": [{}]}}", ball(r#", "name": """#));
+    let error = desc::parse(&text, Path::new("."), None).unwrap_err();
+    assert_eq!(error.location().json_path, "surfaces[0].name");
+}
+
+#[test]
 fn a_surface_that_only_emits_needs_no_material() {
     let scene = native(
         r#""surfaces": [{"geometry": "sphere", "origin": [0, 0, 0], "radius": 1, "emission": [1, 2, 3]},

@@ -388,6 +388,17 @@ impl SceneDesc {
         Ok(())
     }
 
+    /// Gives a surface a name, or takes it away where `name` is empty. Several surfaces may have one name: they are then one object.
+    /// No picture depends on it, so nothing has to be built again.
+    ///
+    /// # Errors
+    /// [`crate::ErrorKind::InvalidScene`] for a number that no surface has or that belongs to a removed surface.
+    pub fn set_surface_name(&mut self, surface: usize, name: &str) -> Result<()> {
+        self.live_surface(surface)?;
+        name.clone_into(&mut self.surfaces[surface].name);
+        Ok(())
+    }
+
     /// Removes a surface permanently: no ray hits it, no call can change it, its number is not used again, and it no
     /// longer uses its mesh.
     ///
@@ -456,6 +467,7 @@ impl SceneDesc {
         }
         self.surfaces.push(SurfaceDesc {
             path: path.to_owned(),
+            name: String::new(),
             shape,
             local,
             transform: look.transform,

@@ -126,6 +126,8 @@ impl MeshDesc {
 pub struct SurfaceDesc {
     /// JSON path, for messages and `info`.
     pub path: String,
+    /// The name of the object that the surface is, or is a part of: several surfaces may have one name. Empty where it has none.
+    pub name: String,
     /// The surface's geometry.
     pub shape: ShapeDesc,
     /// Transform from the shape's frame to the object's frame. It contains the position of a cylinder and the size of
@@ -155,6 +157,11 @@ impl SurfaceDesc {
     /// Transform from the shape's frame to the world frame.
     pub fn to_world(&self) -> DAffine3 {
         self.transform * self.local
+    }
+
+    /// What the object of the surface is called: its name, or its path where it has none.
+    pub fn object(&self) -> &str {
+        if self.name.is_empty() { &self.path } else { &self.name }
     }
 }
 

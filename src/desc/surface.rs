@@ -24,6 +24,9 @@ macro_rules! surface {
         pub(super) struct $name<'a> {
             #[serde(rename = "geometry")]
             _geometry: tags::$tag,
+            /// What it is called in mattes, not empty; all surfaces of one name are one object. Default: none.
+            #[cfg_attr(feature = "schema", schemars(length(min = 1)))]
+            name: Option<String>,
             /// Name of a material. May be left out of a surface with an emission, which then reflects nothing.
             material: Option<String>,
             /// Object to world. Default: none.
@@ -59,6 +62,7 @@ macro_rules! surface {
                 shape: Result<(ShapeDesc, DAffine3)>,
                 builder: &mut Builder<'_>,
             ) -> Result<()> {
+                let name = checked_name(path, self.name.take())?;
                 let light = Light {
                     emission: self.emission,
                     luminance: self.luminance,
@@ -68,7 +72,8 @@ macro_rules! surface {
                     spectrum: self.spectrum,
                 };
                 let motion = self.motion.take();
-                place(path, self.material.as_deref(), light, self.transform, motion, shape, builder)
+                let surface = place(path, self.material.as_deref(), light, self.transform, motion, shape, builder)?;
+                builder.scene.set_surface_name(surface, &name)
             }
         }
     };
@@ -474,9 +479,11 @@ impl Mesh<'_> {
         let transform = transform::read(self.transform, &at("transform"))?;
         let keys = self.motion.take();
         let motion = keys.map(|keys| motion_keys::motion(keys, &at("motion"))).transpose()?;
+        let name = checked_name(path, self.name.take())?;
         for [material, mesh] in builder.divided_file(&at("file"), file)? {
             let look = SurfaceLook { material: Some(material), transform, ..SurfaceLook::default() };
             let surface = builder.scene.put_surface(path, ShapeDesc::Mesh { mesh, smooth }, local, look)?;
+            builder.scene.set_surface_name(surface, &name)?;
             builder.scene.set_surface_motion(surface, motion.clone())?;
         }
         Ok(())
@@ -529,7 +536,7 @@ fn place(
     motion: Option<Vec<motion_keys::Key>>,
     shape: Result<(ShapeDesc, DAffine3)>,
     builder: &mut Builder<'_>,
-) -> Result<()> {
+) -> Result<usize> {
     let (shape, local) = shape.map_err(json::below(path))?;
     let spectrum = spectrum_keys::read_some(light.spectrum, path, builder)?;
     let own = spectrum.as_ref().filter(|_| light.web.is_none());
@@ -559,13 +566,19 @@ fn place(
         builder.scene.set_surface_web(surface, web)?;
     }
     builder.scene.set_surface_spectrum(surface, spectrum)?;
-    match motion {
-        None => Ok(()),
-        Some(keys) => {
-            let motion = motion_keys::motion(keys, &join(path, "motion"))?;
-            builder.scene.set_surface_motion(surface, Some(motion))
-        }
+    if let Some(keys) = motion {
+        let motion = motion_keys::motion(keys, &join(path, "motion"))?;
+        builder.scene.set_surface_motion(surface, Some(motion))?;
     }
+    Ok(surface)
+}
+
+/// The name of a surface; empty where it has none.
+fn checked_name(path: &str, name: Option<String>) -> Result<String> {
+    if name.as_ref().is_some_and(String::is_empty) {
+        return Err(Error::invalid(join(path, "name"), "the name is empty, expected one letter at least, or no name"));
+    }
+    Ok(name.unwrap_or_default())
 }
 
 impl MeshSource {

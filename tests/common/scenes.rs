@@ -31,6 +31,7 @@ pub fn add(desc: &mut SceneDesc, number: usize, shape: ShapeDesc, bsdf: BsdfDesc
     });
     desc.surfaces.push(SurfaceDesc {
         path: format!("surfaces[{number}]"),
+        name: String::new(),
         shape,
         local: DAffine3::IDENTITY,
         transform: DAffine3::IDENTITY,

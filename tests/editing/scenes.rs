@@ -109,6 +109,7 @@ pub fn surface(desc: &SceneDesc, shape: ShapeDesc, transform: DAffine3, emission
     let number = desc.surfaces.len();
     SurfaceDesc {
         path: format!("surfaces[{number}]"),
+        name: String::new(),
         shape,
         local: DAffine3::from_translation(DVec3::new(0.125, 0.0, 0.0)),
         transform,

@@ -163,7 +163,7 @@ fn mesh(mesh: &MeshDesc) -> impl PartialEq + use<> {
 }
 
 fn surface(surface: &SurfaceDesc, scene: &SceneDesc) -> String {
-    let SurfaceDesc { shape, material, emission, emits_both, transform, .. } = surface;
+    let SurfaceDesc { name, shape, material, emission, emits_both, transform, .. } = surface;
     // Meshes that were removed have no number in a file.
     let shape = match *shape {
         ShapeDesc::Mesh { mesh, smooth } => {
@@ -180,5 +180,5 @@ fn surface(surface: &SurfaceDesc, scene: &SceneDesc) -> String {
         (it.web.text(), it.tilt_deg, c0)
     });
     let spectrum = spectrum(&surface.spectrum.clone().filter(|_| emission.is_some()));
-    text(&(shape, material, emission, emits_both, placed, web, spectrum))
+    text(&(name, shape, material, emission, emits_both, placed, web, spectrum))
 }

@@ -345,6 +345,8 @@ fn bad_surfaces() -> Vec<(&'static str, &'static str, Call)> {
         bad("surfaces[0].emission[0]", "inf", |desc| desc.set_emission(0, Some(Rgb::INFINITY))),
         bad("surfaces[3].emits", "emits no light", |desc| desc.set_emits_both(3, true)),
         bad("surfaces[9]", "there is no surface 9", |desc| desc.set_emits_both(9, false)),
+        bad("surfaces[2]", gone, |desc| desc.set_surface_name(2, "gone")),
+        bad("surfaces[9]", "there is no surface 9", |desc| desc.set_surface_name(9, "none")),
         bad("surfaces[3].emission", "only cylinders can emit", |desc| desc.set_emission(3, Some(Rgb::ONE))),
         bad("surfaces[2]", gone, |desc| desc.set_emission(2, None)),
         bad("surfaces[5]", "there is no surface 5", |desc| desc.set_emission(5, None)),

@@ -32,6 +32,8 @@ struct Adding<'a> {
     materials: Materials,
     /// The parts of meshes in their own frames, by mesh and weights of morph targets.
     known: HashMap<(usize, Vec<u64>), Vec<Part>>,
+    /// What the surfaces of the node are called: as the node, or as its mesh. Empty for neither.
+    name: &'a str,
     scene: &'a mut SceneDesc,
 }
 
@@ -45,13 +47,15 @@ pub(super) fn add<'a>(
     scene: &'a mut SceneDesc,
 ) -> Result<()> {
     let meshes = Meshes::new(accessors);
-    let mut adding = Adding { document, nodes, meshes, materials, known: HashMap::new(), scene };
+    let mut adding = Adding { document, nodes, meshes, materials, known: HashMap::new(), name: "", scene };
     for number in &nodes.drawn {
         let node = &document.nodes[*number];
         if let Some(mesh) = node.mesh {
             let path = format!("nodes[{number}]");
             let (mesh, _) = element(&document.meshes, "meshes", &format!("{path}.mesh"), mesh)?;
             let own = weights(pose.weights.get(number), node.weights.as_ref(), document.meshes[mesh].weights.as_ref());
+            let named = |name: &'a Option<String>| name.as_deref().filter(|name| !name.is_empty());
+            adding.name = named(&node.name).or_else(|| named(&document.meshes[mesh].name)).unwrap_or_default();
             adding.node(&path, *number, node, mesh, own)?;
         }
     }
@@ -98,7 +102,8 @@ impl Adding<'_> {
         }
         let shape = ShapeDesc::Mesh { mesh: part.mesh, smooth: part.smooth };
         let look = SurfaceLook { material: Some(part.material), transform, ..SurfaceLook::default() };
-        self.scene.put_surface(path, shape, DAffine3::IDENTITY, look).map(|_| ())
+        let surface = self.scene.put_surface(path, shape, DAffine3::IDENTITY, look)?;
+        self.scene.set_surface_name(surface, self.name)
     }
 
     /// Adds a mesh that a scale of zero makes flat. Rays need an inverse of every placement, so the vertices themselves are moved.

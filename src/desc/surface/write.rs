@@ -18,6 +18,7 @@ use crate::{Error, Result};
 
 /// The keys that all kinds of surfaces have.
 struct Look {
+    name: Option<String>,
     material: Option<String>,
     transform: Option<Box<RawValue>>,
     emission: Option<[f64; 3]>,
@@ -32,6 +33,7 @@ macro_rules! text {
     ($name:ident, $look:expr, { $($field:ident: $value:expr,)* }) => {
         raw(&$name {
             _geometry: tags::$name::$name,
+            name: $look.name,
             material: $look.material,
             transform: $look.transform.as_deref(),
             emission: $look.emission,
@@ -66,6 +68,7 @@ pub(in crate::desc) fn write(
             AreaWeb::write(web, c0, factor, file)
         });
         Ok(Look {
+            name: Some(surface.name.clone()).filter(|name| !name.is_empty()),
             material: surface.material.map(|material| names.materials[material].clone()),
             transform: transform::write(&placed)?,
             // A surface may be without a material where it says what it emits, and be it nothing.
