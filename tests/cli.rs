@@ -586,6 +586,72 @@ fn light_layers_add_up_to_the_picture() {
 }
 
 #[test]
+fn mattes_are_layers_of_an_exr() {
+    use etendue::output::cryptomatte::id;
+    let folder = folder();
+    let text = r#"{"etendue": 1, "camera": {"type": "orthographic", "origin": [0, 0, 5], "lookAt": [0, 0, 0], "width": 4},
+        "render": {"resolution": [16, 16], "samples": 16, "integrator": "direct"},
+        "materials": [{"name": "grey \"one\"", "type": "diffuse", "color": [0.5, 0.5, 0.5]}],
+        "surfaces": [
+            {"geometry": "sphere", "origin": [0, 0, 0], "radius": 1, "emission": [1, 1, 1], "name": "lamp"},
+            {"geometry": "disk", "origin": [0.5, 0, -2], "normal": [0, 0, 1], "radius": 1.5, "material": "grey \"one\""}]}"#;
+    fs::write(folder.path().join("scene.json"), text).unwrap();
+    let render = |more: &[&str]| etendue(folder.path(), [&["render", "scene.json", "-q"], more].concat());
+    render(&["--cryptomatte", "-o", "two.exr", "two.png", "--threads", "2"]).assert_done();
+    render(&["--cryptomatte", "-o", "one.exr", "--threads", "1"]).assert_done();
+    render(&["-o", "plain.exr", "plain.png"]).assert_done();
+    let bytes = |name: &str| fs::read(folder.path().join(name)).unwrap();
+    assert!(bytes("one.exr") == bytes("two.exr"), "the same bytes for any number of threads");
+    assert!(bytes("two.png") == bytes("plain.png"));
+    let [image, plain] = ["two.exr", "plain.exr"].map(|name| output::read(&folder.path().join(name)).unwrap());
+    assert_eq!(image.rgb, plain.rgb, "the picture is the usual one");
+    let sum = |layers: [&str; 3], id: f32| {
+        let pairs = layers.into_iter().flat_map(|layer| image.layer(layer).expect(layer).data.chunks_exact(2));
+        pairs.filter(|pair| pair[0] == id).map(|pair| f64::from(pair[1])).sum::<f64>() / 16.0
+    };
+    let objects = ["CryptoObject00", "CryptoObject01", "CryptoObject02"];
+    let materials = ["CryptoMaterial00", "CryptoMaterial01", "CryptoMaterial02"];
+    let ball = sum(objects, id("lamp"));
+    assert!((ball / std::f64::consts::PI - 1.0).abs() < 0.01, "{ball}");
+    let disk = sum(objects, id("surfaces[1]"));
+    assert!(disk > 1.0 && sum(materials, id("grey \"one\"")) == disk, "the lamp has no material");
+    assert!(image.layer("CryptoObject").is_some() && image.layer("CryptoObject03").is_none());
+
+    let meta = exr::meta::MetaData::read_from_file(folder.path().join("two.exr"), false).expect("an EXR header");
+    let attribute = |name: &str| match meta.headers[0].own_attributes.other.get(&exr::meta::attribute::Text::from(name))
+    {
+        Some(exr::meta::attribute::AttributeValue::Text(found)) => found.to_string(),
+        other => panic!("{name}: {other:?}"),
+    };
+    for (key, name, expected) in
+        [("3ae39a5", "CryptoObject", vec!["lamp", "surfaces[1]"]), ("be359d6", "CryptoMaterial", vec!["grey \"one\""])]
+    {
+        assert_eq!(attribute(&format!("cryptomatte/{key}/name")), name);
+        assert_eq!(attribute(&format!("cryptomatte/{key}/hash")), "MurmurHash3_32");
+        assert_eq!(attribute(&format!("cryptomatte/{key}/conversion")), "uint32_to_float32");
+        let manifest: serde_json::Value =
+            serde_json::from_str(&attribute(&format!("cryptomatte/{key}/manifest"))).unwrap();
+        assert_eq!(manifest.as_object().unwrap().len(), expected.len());
+        for name in expected {
+            assert_eq!(manifest[name], format!("{:08x}", id(name).to_bits()));
+        }
+    }
+    render(&["--cryptomatte", "--cryptomatte-levels", "2", "-o", "few.exr"]).assert_done();
+    let few = output::read(&folder.path().join("few.exr")).unwrap();
+    assert!(few.layer("CryptoObject00") == image.layer("CryptoObject00") && few.layer("CryptoObject01").is_none());
+
+    render(&["--cryptomatte", "-o", "x.png"]).assert_refused("--cryptomatte: no output has room for layers");
+    render(&["--cryptomatte", "--checkpoint", "x.etd"]).assert_refused("--cryptomatte: no output has room for layers");
+    for levels in ["0", "3", "66", "x"] {
+        let run = render(&["--cryptomatte", "--cryptomatte-levels", levels, "-o", "x.exr"]);
+        run.assert_refused_by_grammar("expected an even number from 2 to 64");
+    }
+    render(&["--cryptomatte-levels", "4", "-o", "x.exr"]).assert_refused_by_grammar("--cryptomatte");
+    let share = render(&["--cryptomatte", "--share", "1/2", "--checkpoint", "x.etd", "-o", "x.exr"]);
+    share.assert_refused_by_grammar("cannot be used with");
+}
+
+#[test]
 fn spectral_layers_are_channels_of_an_exr() {
     let folder = folder();
     let scene = scene("cornell.json");

@@ -20,6 +20,8 @@ mod interrupt;
 #[path = "../etendue/layers.rs"]
 mod layers;
 mod link;
+#[path = "../etendue/mattes.rs"]
+mod mattes;
 #[allow(dead_code, reason = "other commands show scenes")]
 #[path = "../etendue/render.rs"]
 mod render;

@@ -1,5 +1,8 @@
 //! The command line's grammar.
 
+#[path = "matte_args.rs"]
+mod matte_args;
+
 use std::path::PathBuf;
 use std::sync::LazyLock;
 use std::time::Duration;
@@ -16,6 +19,8 @@ use etendue::math::DVec3;
 use etendue::output::ToneMap;
 use etendue::render::{MAX_THREADS, MOST_SAMPLES, Share};
 use etendue::spectrum::{Primaries, Sensor, VISIBLE};
+
+pub use matte_args::MatteArgs;
 
 /// Physically based rendering of scene files.
 ///
@@ -141,6 +146,8 @@ pub struct RenderArgs {
     #[arg(long, value_name = "FIRST-LAST", default_value = "380-780", requires = "spectral_layers")]
     #[arg(value_parser = parse_range)]
     pub spectral_range: WavelengthRange,
+    #[command(flatten)]
+    pub mattes: MatteArgs,
     /// The light under which white surfaces are grey in the picture: A, D50, D55, D65, D75, E, FL1 to FL12, a temperature in kelvin (black bodies
     /// below 4000, daylight above), or its chromaticity X,Y.
     #[arg(long, value_name = "LIGHT", value_parser = parse_white)]

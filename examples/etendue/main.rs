@@ -15,6 +15,7 @@ mod failure;
 mod interrupt;
 mod layers;
 mod lux;
+mod mattes;
 mod photons;
 mod render;
 mod stats;

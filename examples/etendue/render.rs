@@ -124,6 +124,7 @@ pub fn render(args: &RenderArgs, runner: &mut impl Runner) -> Result<u8, Failure
     // An hour of rendering must not end at a typing error: everything that can be checked in advance is checked now.
     let bands = Bands::of(args)?;
     let layers = check_outputs(args)?;
+    args.mattes.check(&args.output)?;
     interrupt::install()?;
     let began = Instant::now();
     let options = LoadOptions { progress: Some(console::reading_images(args.quiet)), ..args.choices() };
@@ -311,6 +312,15 @@ fn render_frame<R: Runner>(
             is_stopped = spectral.len() < bands.count;
             image.layers.extend(spectral);
             attributes.extend(output::spectral_attributes());
+        }
+        if !is_stopped {
+            match args.mattes.trace(description, scene, &settings, &summary, args.quiet)? {
+                None => is_stopped = true,
+                Some(found) => {
+                    image.layers.extend(found.layers);
+                    attributes.extend(found.attributes);
+                }
+            }
         }
         write(&image, summary.samples, attributes)?;
     }

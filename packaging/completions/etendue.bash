@@ -647,7 +647,7 @@ _etendue() {
             return 0
             ;;
         etendue__subcmd__render)
-            opts="-o -q -h --output --threads --camera --at --animation --time-at --frames --frame-rate --spp --time --target-error --target-display --adaptive --seed --resolution --crop --integrator --reuse --light-paths --bias --spectral --light-layers --spectral-layers --spectral-range --white-balance --filter --sampler --shadow-rays --first-shadow-rays --roulette --photons --photon-radius --caustic-photons --caustic-radius --iterations --element-size --radiosity-error --radiosity-solver --ambient --final-gather --max-depth --checkpoint --checkpoint-every --resume --share --stats --progressive --tone-map --primaries --exposure --quiet --help"
+            opts="-o -q -h --output --threads --camera --at --animation --time-at --frames --frame-rate --spp --time --target-error --target-display --adaptive --seed --resolution --crop --integrator --reuse --light-paths --bias --spectral --light-layers --spectral-layers --spectral-range --cryptomatte --cryptomatte-levels --white-balance --filter --sampler --shadow-rays --first-shadow-rays --roulette --photons --photon-radius --caustic-photons --caustic-radius --iterations --element-size --radiosity-error --radiosity-solver --ambient --final-gather --max-depth --checkpoint --checkpoint-every --resume --share --stats --progressive --tone-map --primaries --exposure --quiet --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -746,6 +746,10 @@ _etendue() {
                     return 0
                     ;;
                 --spectral-range)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --cryptomatte-levels)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;

@@ -74,6 +74,7 @@ complete -c etendue -n "__fish_etendue_using_subcommand render" -l spectral -d '
 off\t''"
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l spectral-layers -d 'Layers of an EXR for the mean spectral radiance over so many bands of equal width, 3 to 512. With --spectral' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l spectral-range -d 'First and last wavelength of those bands in nm, within 360 and 830' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l cryptomatte-levels -d 'Number of objects, and of materials, that a pixel keeps: those that cover most of it. Even, 2 to 64. With --cryptomatte' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l white-balance -d 'The light under which white surfaces are grey in the picture: A, D50, D55, D65, D75, E, FL1 to FL12, a temperature in kelvin (black bodies below 4000, daylight above), or its chromaticity X,Y' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l filter -d 'Pixel filter: box, tent, gaussian[:SIGMA], blackman-harris or mitchell[:B,C]' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l sampler -d 'Where the samples of a pixel come from' -r -f -a "sobol\t'Owen-scrambled Sobol\' points'
@@ -114,6 +115,7 @@ acescg\t'ACEScg, adapted to its white'
 xyz\t'Tristimulus values of CIE 1931'"
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l exposure -d 'Brightness of a PNG in stops: 1 doubles it' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l light-layers -d 'Layers of an EXR for light by how often it was scattered on its way from its emitter: emission (not at all), direct (once) and indirect. With the integrators path, direct and auto, which is then path'
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l cryptomatte -d 'Layers of an EXR by which compositing programs pick objects and materials by name, as Cryptomatte 1.2 has them: ids with their coverage of the pixel. One more ray for each sample, after the render'
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l progressive -d 'Rewrite the images after each pass'
 complete -c etendue -n "__fish_etendue_using_subcommand render" -s q -l quiet -d 'No progress and no summary; warnings and errors stay'
 complete -c etendue -n "__fish_etendue_using_subcommand render" -s h -l help -d 'Print help (see more with \'--help\')'

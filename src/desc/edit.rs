@@ -388,8 +388,8 @@ impl SceneDesc {
         Ok(())
     }
 
-    /// Gives a surface a name, or takes it away where `name` is empty. Several surfaces may have one name: they are then one object.
-    /// No picture depends on it, so nothing has to be built again.
+    /// Gives a surface a name, or takes it away where `name` is empty. Several surfaces may have one name: they are then one object for
+    /// [`Mattes`](crate::render::Mattes). No picture depends on it, so nothing has to be built again.
     ///
     /// # Errors
     /// [`crate::ErrorKind::InvalidScene`] for a number that no surface has or that belongs to a removed surface.

@@ -38,9 +38,9 @@ pub(crate) fn check_image(image: &Image) -> Result<()> {
     }
     let mut names = HashSet::new();
     for layer in &image.layers {
-        if !matches!(layer.channels, 1 | 3) || layer.name.is_empty() || layer.name.len() > 200 {
+        if !matches!(layer.channels, 1 | 3 | 4) || layer.name.is_empty() || layer.name.len() > 200 {
             let message =
-                format!("layer '{}' needs a short name and 1 or 3 channels, not {}", layer.name, layer.channels);
+                format!("layer '{}' needs a short name and 1, 3 or 4 channels, not {}", layer.name, layer.channels);
             return Err(Error::new(ErrorKind::Internal, message));
         }
         if !names.insert(&layer.name) {

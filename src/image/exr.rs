@@ -40,6 +40,7 @@ fn suffixes(layer: &Layer) -> &'static [&'static str] {
     match (layer.name.as_str(), layer.channels) {
         ("normal", 3) => &["X", "Y", "Z"],
         (_, 3) => &["R", "G", "B"],
+        (_, 4) => &["R", "G", "B", "A"],
         ("depth", _) => &["Z"],
         _ => &["Y"],
     }
@@ -362,7 +363,9 @@ fn collect(file: FlatImage) -> Result<Image> {
             continue;
         }
         let layer = |channels, data| Layer { name, channels, data };
-        if let Some(data) =
+        if let Some(data) = interleave(&mut group, &["R", "G", "B", "A"]) {
+            layers.push(layer(4, data));
+        } else if let Some(data) =
             interleave(&mut group, &["R", "G", "B"]).or_else(|| interleave(&mut group, &["X", "Y", "Z"]))
         {
             layers.push(layer(3, data));
@@ -401,13 +404,14 @@ fn placement(
     (pixel_aspect != 1.0 || picture != [width, height]).then_some(placement)
 }
 
-/// Takes three channels out of a group as triples; `None`, and the group as it was, where one is missing.
-fn interleave(group: &mut Group, suffixes: &[&str; 3]) -> Option<Vec<f32>> {
+/// Takes channels out of a group, with their values of a pixel one after another; `None`, and the group as it was, where one is missing.
+fn interleave<const N: usize>(group: &mut Group, suffixes: &[&str; N]) -> Option<Vec<f32>> {
     if !suffixes.iter().all(|suffix| group.contains_key(*suffix)) {
         return None;
     }
-    let [x, y, z] = suffixes.map(|suffix| group.remove(suffix).unwrap_or_default());
-    Some(x.into_iter().zip(y).zip(z).flat_map(|((x, y), z)| [x, y, z]).collect())
+    let planes = suffixes.map(|suffix| group.remove(suffix).unwrap_or_default());
+    let count = planes.iter().map(Vec::len).min().unwrap_or(0);
+    Some((0..count).flat_map(|i| std::array::from_fn::<f32, N, _>(|channel| planes[channel][i])).collect())
 }
 
 fn utf8(text: &Text) -> String {

@@ -29,9 +29,9 @@ pub struct Image {
 /// One auxiliary layer of an [`Image`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layer {
-    /// Name of the quantity: `albedo`, `normal`, `depth`, `samples` or `variance`.
+    /// Name of the quantity, such as `albedo`, `normal`, `depth`, `samples`, `variance` or `CryptoObject00`.
     pub name: String,
-    /// Values per pixel: 1 or 3.
+    /// Values per pixel: 1, 3 or 4.
     pub channels: usize,
     /// `[height][width][channels]`.
     pub data: Vec<f32>,

@@ -28,6 +28,7 @@
 
 mod attributes;
 mod bake;
+pub mod cryptomatte;
 mod metrics;
 mod photons;
 mod tone;

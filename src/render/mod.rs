@@ -17,6 +17,7 @@ mod adaptive;
 mod checkpoint;
 mod crew;
 mod maps;
+mod mattes;
 mod method;
 mod order;
 mod pass;
@@ -43,14 +44,14 @@ use crate::camera::{Camera, MovingCamera};
 use crate::control::PROGRESS_INTERVAL;
 use crate::desc::{Bias, FilterDesc, IntegratorDesc, Preparation, RenderDesc, SamplerDesc};
 use crate::error::{Error, ErrorKind, Result};
-use crate::film::{ErrorEstimate, ErrorMeasure, Film, FilmOptions, Image, Placement};
+use crate::film::{ErrorEstimate, ErrorMeasure, Film, FilmOptions, Image, Placement, REPLICATES};
 use crate::integrator::Path;
 use crate::integrator::light_tracing::{LightPaths, LightPictures};
 use crate::integrator::photon::{Choice, Plan, choose};
 use crate::integrator::radiosity::{Radiosity, RadiosityPicture};
 use crate::integrator::reuse::PathReuse;
 use crate::integrator::{check_light_parts, check_support, check_wavelengths, no_wavelengths};
-use crate::sampling::Filter;
+use crate::sampling::{AnySampler, Filter, Pattern, PatternSampler, SobolSampler};
 use crate::scene::Scene;
 use crate::spectrum::{Sensor, white_balance};
 use adaptive::{MIN_PIXELS, PILOT, Stage};
@@ -66,6 +67,7 @@ use worker_pool::WorkerPool;
 
 pub use checkpoint::{Checkpoint, CheckpointPlan};
 pub use crew::{Crew, Event, Link, help};
+pub use mattes::{MAX_MATTE_LEVELS, MatteKind, MatteSettings, MatteShare, Mattes};
 pub use places::IRRADIANCE_WIDTH;
 pub use replay::NonFiniteSample;
 pub use report::{Ended, Progress, Summary};
@@ -88,6 +90,30 @@ fn placement(desc: &RenderDesc, pixel_aspect: f64) -> Option<Placement> {
     }
     let origin = desc.crop.map_or([0; 2], |crop| [crop.left, crop.top]);
     Some(Placement { origin, picture: desc.resolution, pixel_aspect: pixel_aspect as f32 })
+}
+
+/// The pixel filter of a render. The normally distributed pattern is itself a filter.
+fn filter_of(desc: &RenderDesc) -> FilterDesc {
+    if desc.sampler == SamplerDesc::Gaussian { FilterDesc::Box } else { desc.filter }
+}
+
+/// The same, to be sampled.
+fn pixel_filter(desc: &RenderDesc) -> Filter {
+    Filter::new(&filter_of(desc))
+}
+
+/// The sampler of the pixels of a render, of which `share` samples one after another belong to one replicate.
+fn pixel_sampler(desc: &RenderDesc, share: u32) -> AnySampler {
+    let pattern = match desc.sampler {
+        SamplerDesc::Sobol => {
+            return AnySampler::Sobol(SobolSampler::new(desc.seed, share).in_turn(REPLICATES as u32));
+        }
+        SamplerDesc::Random => Pattern::Random,
+        SamplerDesc::Jittered => Pattern::Jittered,
+        SamplerDesc::Grid => Pattern::Grid,
+        SamplerDesc::Gaussian => Pattern::Gaussian,
+    };
+    AnySampler::Pattern(PatternSampler::new(pattern, desc.seed, desc.samples))
 }
 
 /// A render of a scene: the film, the integrator and the workers.
@@ -161,8 +187,6 @@ impl Render {
         let seen = if is_of_places { [1, 1] } else { desc.resolution };
         let camera = Camera::new(scene.camera(), seen, scene.centre())?;
         let moving_camera = scene.moving_camera(seen)?.map(Arc::new);
-        // The normally distributed pattern is itself a pixel filter.
-        let filter_desc = if desc.sampler == SamplerDesc::Gaussian { FilterDesc::Box } else { desc.filter };
         let choice = (desc.integrator.info().preparation == Preparation::Choice).then(|| choose(scene));
         let choice = choice.map(|choice| if settings.light_parts { choice.for_light_parts() } else { choice });
         let integrator = choice.as_ref().map_or(desc.integrator, |choice| choice.integrator);
@@ -189,7 +213,7 @@ impl Render {
             Some(_) => {}
         }
         let method = method.unwrap_or_else(|| Method::new(integrator));
-        let filter = Filter::new(&filter_desc);
+        let filter = pixel_filter(desc);
         let scene = scene.with_roulette(desc.roulette);
         let path = Path::new(desc.max_depth, desc.shadow_rays);
         let reuse = || PathReuse::new(&scene, path);
@@ -218,7 +242,7 @@ impl Render {
             auxiliary: settings.auxiliary,
             light_parts: settings.light_parts,
             share: pass_samples.unwrap_or(1),
-            weighted: matches!(filter_desc, FilterDesc::Mitchell { .. }),
+            weighted: matches!(filter_of(desc), FilterDesc::Mitchell { .. }),
             gathering: plan.as_ref().is_some_and(Maps::remembers),
         })?;
         let pixels = desc.film_size().map(u64::from).into_iter().product::<u64>();

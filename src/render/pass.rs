@@ -7,21 +7,22 @@ use std::time::{Duration, Instant};
 
 use super::method::Method;
 use super::order::{Order, TilePlace, Wanted};
+use super::pixel_sampler;
 use super::replay::{NonFiniteSamples, Replay, Replayed};
 use super::share::Tiles;
 use super::workers::SharedWork;
 use crate::Cancel;
 use crate::camera::{Camera, MovingCamera};
 use crate::control::PROGRESS_INTERVAL;
-use crate::desc::{RenderDesc, SamplerDesc};
-use crate::film::{Film, PixelPhotonState, PixelSample, REPLICATES, TILE};
+use crate::desc::RenderDesc;
+use crate::film::{Film, PixelPhotonState, PixelSample, TILE};
 use crate::integrator::light_tracing::{LightPaths, LightPictures};
 use crate::integrator::reuse::GROUP;
 use crate::integrator::{
     Context, Direct, Irradiance, LightParts, LitPath, Path, Probes, Sample, Tracer, Transport, Whitted,
 };
 use crate::math::{DMat3, Ray};
-use crate::sampling::{AnySampler, Filter, Pattern, PatternSampler, Sampler, SobolSampler};
+use crate::sampling::{AnySampler, Filter, Sampler};
 use crate::scene::{Backplate, Hit, Scene};
 use crate::spectrum::{Rgb, SampledSpectrum, Sensor, Spectrum};
 
@@ -584,18 +585,7 @@ impl Pass {
     }
 
     fn sampler(&self) -> AnySampler {
-        let seed = self.input.desc.seed;
-        let pattern = match self.input.desc.sampler {
-            SamplerDesc::Sobol => {
-                let sampler = SobolSampler::new(seed, self.input.film.options().share);
-                return AnySampler::Sobol(sampler.in_turn(REPLICATES as u32));
-            }
-            SamplerDesc::Random => Pattern::Random,
-            SamplerDesc::Jittered => Pattern::Jittered,
-            SamplerDesc::Grid => Pattern::Grid,
-            SamplerDesc::Gaussian => Pattern::Gaussian,
-        };
-        AnySampler::Pattern(PatternSampler::new(pattern, seed, self.input.desc.samples))
+        pixel_sampler(&self.input.desc, self.input.film.options().share)
     }
 
     /// Takes tiles until none is left, or until `pause` returns `true`. Returns whether no tile is left.

@@ -3,6 +3,7 @@
 
 mod environments;
 mod lobes;
+mod mattes;
 mod refused;
 mod reuse;
 mod rooms;
