@@ -1511,6 +1511,31 @@ typedef uint32_t etd_quantity;
 #endif // __cplusplus
 
 /**
+ * What the names of mattes are of.
+ */
+enum etd_matte_kind
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * Objects: surfaces by their names, or by their JSON paths, such as `surfaces[3]`, where they have none.
+     */
+    ETD_MATTE_OBJECT = 0,
+    /**
+     * Materials: by their names, or by their JSON paths. A surface without a material is not seen.
+     */
+    ETD_MATTE_MATERIAL = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum etd_matte_kind etd_matte_kind;
+#else
+typedef uint32_t etd_matte_kind;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
  * What says how a spectrum is.
  */
 enum etd_spectrum_kind
@@ -4622,6 +4647,25 @@ etd_status etd_scene_set_emits_both(struct etd_scene *scene,
                                     uint32_t both);
 
 /**
+ * Names the object that a surface is, or is a part of, in mattes (`etd_scene_trace_mattes`): all surfaces of one name are one object.
+ * NULL or an empty text takes the name away. `name`: UTF-8, which is copied. No picture depends on names, so nothing is built
+ * again. Thread-safe.
+ */
+etd_status etd_scene_set_surface_name(struct etd_scene *scene,
+                                      uint32_t surface,
+                                      const char *name);
+
+/**
+ * Copies the name of a surface to the caller's buffer: an empty text for one that has none. `buffer`, `capacity` and `out_needed` are as
+ * in `etd_scene_copy_text`. It is an error if the surface was removed. Thread-safe.
+ */
+etd_status etd_scene_get_surface_name(const struct etd_scene *scene,
+                                      uint32_t surface,
+                                      char *buffer,
+                                      size_t capacity,
+                                      size_t *out_needed);
+
+/**
  * Lets a flat surface shine as a photometric web says, or evenly again where `web` is NULL. With a web, the emission of the surface is a
  * factor on the file's candela over 683 lm/W, 1 in each channel for the lamp as it was measured, and no radiance. A surface keeps its web
  * when its emission changes; without an emission of its own, the web has no effect. Without a file and a text, a surface that has a web
@@ -5327,6 +5371,40 @@ etd_status etd_photometric_color(double value,
                                  double temperature,
                                  const float *color,
                                  float *out_color);
+
+/**
+ * Traces mattes: which objects or materials each pixel of a picture sees, and in which share of its samples. A scene that has changed
+ * is built first.
+ *
+ * They cost one ray for each camera sample. The samples are those of a render with the same options to a film of `width` x `height`
+ * pixels, so that edges match those of its picture; light, time limit, target error and `finished` are ignored, and `samples` must not
+ * be 0. What is seen is the first surface that a ray meets: rays pass where an opacity lets them, and mirrors and glass are what is seen.
+ * Samples that meet nothing belong to no name, and the coverages of a pixel then sum to less than 1. Each sample counts once, also
+ * where `filter` has weights below 0.
+ *
+ * `options`: NULL for the scene's own settings. `kind`: an `etd_matte_kind`. `levels`: number of names that a pixel keeps, those of the
+ * largest coverage, 1 to 64. `out_ids`: receives `[height][width][levels]` identifiers by falling coverage, row 0 on top, 0 where there
+ * is no further name: `etd_matte_id` of the names, as the pixels and the manifest of a Cryptomatte have them. `out_coverages`: receives
+ * the same number of coverages, in [0, 1].
+ *
+ * The result depends only on the scene, the options and the size, and not on threads. Errors: `ETD_CANCELLED` if the progress callback
+ * stopped it; `ETD_INVALID_ARGUMENT` for a kind, levels, samples or a size out of range and for options about parts of a picture and
+ * checkpoints; the errors of `etd_scene_commit`; the arrays are then unchanged. Thread-safe.
+ */
+etd_status etd_scene_trace_mattes(struct etd_scene *scene,
+                                  uint32_t width,
+                                  uint32_t height,
+                                  const struct etd_render_options *options,
+                                  etd_matte_kind kind,
+                                  uint32_t levels,
+                                  uint32_t *out_ids,
+                                  float *out_coverages);
+
+/**
+ * Returns the identifier of a name in mattes: the bits of the float that a Cryptomatte has for it, never 0. `name`: UTF-8. Thread-safe.
+ */
+etd_status etd_matte_id(const char *name,
+                        uint32_t *out_id);
 
 #ifdef __cplusplus
 }  // extern "C"

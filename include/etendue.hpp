@@ -1094,6 +1094,25 @@ public:
     Outcome<void> set_emits_both(std::uint32_t number, bool both) {
         return detail::done(etd_scene_set_emits_both(get(), number, both ? 1 : 0));
     }
+    /** Names the object that a surface is, or is a part of, in mattes; an empty text takes the name away. */
+    Outcome<void> set_surface_name(std::uint32_t number, const std::string &name) {
+        return detail::done(etd_scene_set_surface_name(get(), number, name.c_str()));
+    }
+    /** The name of a surface; empty where it has none. */
+    Outcome<std::string> surface_name(std::uint32_t number) const {
+        std::string name;
+        std::size_t needed = 0;
+        etd_status status = etd_scene_get_surface_name(get(), number, nullptr, 0, &needed);
+        // It may grow between the two calls, when another thread changes it.
+        while (status == ETD_OK && needed > name.size()) {
+            name.resize(needed);
+            status = etd_scene_get_surface_name(get(), number, name.data(), name.size(), &needed);
+        }
+        if (status == ETD_OK) {
+            name.resize(needed - 1);
+        }
+        return detail::give(status, std::move(name));
+    }
     /** Lets a flat surface shine by a photometric web; its emission is a factor on it then. */
     Outcome<void> set_surface_web(std::uint32_t number, const etd_surface_web &web) {
         return detail::done(etd_scene_set_surface_web(get(), number, &web));
@@ -1327,6 +1346,10 @@ private:
     friend Outcome<etd_status> measure(Scene &scene, etd_quantity quantity, span<const etd_measuring_point> points,
                                        const etd_render_options &options, span<double> values,
                                        span<double> standard_errors, Progress progress, etd_summary *summary);
+    friend Outcome<etd_status> trace_mattes(Scene &scene, std::uint32_t width, std::uint32_t height,
+                                            const etd_render_options &options, etd_matte_kind kind,
+                                            std::uint32_t levels, span<std::uint32_t> ids, span<float> coverages,
+                                            Progress progress);
     friend Outcome<etd_status> bake_vertices(Scene &scene, std::uint32_t surface, const etd_bake_target &target,
                                              const etd_render_options &options, Progress progress,
                                              etd_summary *summary);
@@ -1778,6 +1801,33 @@ inline Outcome<etd_status> measure(Scene &scene, etd_quantity quantity, span<con
                                                 errors, summary);
     hooks.rethrow();
     return detail::ended(status);
+}
+
+/** Traces mattes: `ETD_OK`, or `ETD_CANCELLED` if `progress` said so. `ids` and `coverages` have `width` x `height` x `levels` items;
+ *  `ETD_INVALID_ARGUMENT` if not. */
+inline Outcome<etd_status> trace_mattes(Scene &scene, std::uint32_t width, std::uint32_t height,
+                                        const etd_render_options &options, etd_matte_kind kind, std::uint32_t levels,
+                                        span<std::uint32_t> ids, span<float> coverages, Progress progress = {}) {
+    const std::size_t count = std::size_t(width) * height;
+    const auto fits = [&](std::size_t size) { return levels != 0 && size % levels == 0 && size / levels == count; };
+    if (!fits(ids.size()) || !fits(coverages.size())) {
+        return detail::refuse<etd_status>("ids or coverages are not width x height x levels");
+    }
+    etd_render_options raw = options;
+    detail::ProgressHooks hooks(std::move(progress), raw.progress, raw.user_data, scene.keep());
+    raw.progress = detail::ProgressHooks::tell;
+    raw.user_data = &hooks;
+    const etd_status status =
+        etd_scene_trace_mattes(scene.get(), width, height, &raw, kind, levels, ids.data(), coverages.data());
+    hooks.rethrow();
+    return detail::ended(status);
+}
+
+/** The identifier of a name in mattes. */
+inline Outcome<std::uint32_t> matte_id(const std::string &name) {
+    std::uint32_t id = 0;
+    const etd_status status = etd_matte_id(name.c_str(), &id);
+    return detail::give(status, std::move(id));
 }
 
 } // inline namespace

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 
 /// The files of the C interface, in the order in which the header presents them.
-const SOURCES: [&str; 36] = [
+const SOURCES: [&str; 38] = [
     "status.rs",
     "last_error.rs",
     "types/mod.rs",
@@ -22,6 +22,7 @@ const SOURCES: [&str; 36] = [
     "types/query.rs",
     "types/bake.rs",
     "types/lighting.rs",
+    "types/mattes.rs",
     "device.rs",
     "scene.rs",
     "describe.rs",
@@ -41,6 +42,7 @@ const SOURCES: [&str; 36] = [
     "query.rs",
     "bake.rs",
     "lighting.rs",
+    "mattes.rs",
 ];
 
 fn folder() -> PathBuf {

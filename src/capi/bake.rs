@@ -17,7 +17,7 @@ use super::status::{ETD_CANCELLED, Failure, Result, etd_status};
 use super::types::*;
 use super::work::{settings_of, summary_out};
 use crate::bake::{Atlas, AtlasOptions, Bake, Baked, Layout, VertexOptions, Vertices, by_radiosity};
-use crate::desc::IntegratorDesc;
+use crate::desc::{IntegratorDesc, SceneDesc};
 use crate::integrator::Sites;
 use crate::render::Summary;
 use crate::scene::Scene;
@@ -79,11 +79,19 @@ pub unsafe extern "C" fn etd_atlas_new(
 
 /// Builds the scene as described now. Returns it with the progress of the work that follows.
 pub(super) fn build(scene: &etd_scene, progress: &HostProgress) -> Result<(Scene, HostProgress)> {
-    let (built, time) = scene.build(progress.cancel(), progress.part(0.0, BUILD_FRACTION).build())?;
+    build_described(scene, progress).map(|(built, _, rest)| (built, rest))
+}
+
+/// The same, with the description that was built.
+pub(super) fn build_described(
+    scene: &etd_scene,
+    progress: &HostProgress,
+) -> Result<(Scene, Arc<SceneDesc>, HostProgress)> {
+    let (built, time, desc) = scene.build_described(progress.cancel(), progress.part(0.0, BUILD_FRACTION).build())?;
     // The last report of a build comes when there is nothing left of it to stop.
     progress.cancel().check()?;
     let share = if time.is_zero() { 0.0 } else { BUILD_FRACTION };
-    Ok((built, progress.part(share, 1.0)))
+    Ok((built, desc, progress.part(share, 1.0)))
 }
 
 /// # Safety

@@ -131,6 +131,11 @@ impl etd_scene {
         Ok(outcome)
     }
 
+    /// Changes names that no part of a built scene has: the scene that was built last stays that of the description.
+    pub(super) fn rename<R>(&self, change: impl FnOnce(&mut SceneDesc) -> crate::Result<R>) -> Result<R> {
+        Ok(change(Arc::make_mut(&mut lock(&self.state).desc))?)
+    }
+
     /// Calls `ask` with the scene that was built last. It is an error before the first build.
     #[inline]
     pub(super) fn with_built<R>(&self, ask: impl FnOnce(&Scene) -> R) -> Result<R> {

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::ptr;
 use std::sync::Arc;
 
-use super::boundary::{array, need, on, read_sized, text, write_sized};
+use super::boundary::{array, copy_text, need, on, optional_text, read_sized, text, write_sized};
 use super::describe::{find, vector};
 use super::light::contents;
 use super::read;
@@ -364,6 +364,54 @@ pub unsafe extern "C" fn etd_scene_set_emits_both(scene: *mut etd_scene, surface
         on(scene, |scene| {
             find(&scene.desc().surfaces, surface, "surface")?;
             scene.edit(|desc| desc.set_emits_both(surface as usize, both != 0))
+        })
+    }
+}
+
+/// Names the object that a surface is, or is a part of, in mattes (`etd_scene_trace_mattes`): all surfaces of one name are one object.
+/// NULL or an empty text takes the name away. `name`: UTF-8, which is copied. No picture depends on names, so nothing is built
+/// again. Thread-safe.
+///
+/// # Safety
+/// Each pointer must be NULL or point to a value of its type, `name` to a text with a NUL at its end.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_set_surface_name(
+    scene: *mut etd_scene,
+    surface: u32,
+    name: *const c_char,
+) -> etd_status {
+    // SAFETY: the caller keeps this function's contract.
+    unsafe {
+        on(scene, |scene| {
+            find(&scene.desc().surfaces, surface, "surface")?;
+            let name = optional_text(name, "name")?;
+            scene.rename(|desc| desc.set_surface_name(surface as usize, name))
+        })
+    }
+}
+
+/// Copies the name of a surface to the caller's buffer: an empty text for one that has none. `buffer`, `capacity` and `out_needed` are as
+/// in `etd_scene_copy_text`. It is an error if the surface was removed. Thread-safe.
+///
+/// # Safety
+/// `scene` must be NULL or a scene, `capacity` bytes writable at `buffer` unless it is NULL, and `out_needed` NULL or a number.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_get_surface_name(
+    scene: *const etd_scene,
+    surface: u32,
+    buffer: *mut c_char,
+    capacity: usize,
+    out_needed: *mut usize,
+) -> etd_status {
+    // SAFETY: the caller keeps this function's contract.
+    unsafe {
+        on(scene, |scene| {
+            let desc = scene.desc();
+            let it = find(&desc.surfaces, surface, "surface")?;
+            if it.hidden {
+                return Err(Failure::argument(format!("surface {surface} was removed")));
+            }
+            copy_text(&it.name, buffer, capacity, out_needed)
         })
     }
 }

@@ -530,8 +530,35 @@ void light_maps() {
     CHECK(other.get() == atlas.get());
 }
 
+void mattes() {
+    const etd::Device device = etd::Device::create();
+    etd::Scene scene = ball(device);
+    const std::uint32_t number = 0;
+    const std::string name = "a name that is longer than a short text \xc3\xa4";
+    CHECK(scene.surface_name(number).empty());
+    scene.set_surface_name(number, name);
+    CHECK(scene.surface_name(number) == name);
+    std::vector<std::uint32_t> ids(8 * 6 * 2, 1);
+    std::vector<float> coverages(8 * 6 * 2, -1.0F);
+    CHECK(etd::trace_mattes(scene, 8, 6, few(), ETD_MATTE_OBJECT, 2, ids, coverages) == ETD_OK);
+    const std::uint32_t id = etd::matte_id(name);
+    bool is_seen = false;
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+        CHECK(ids[i] == (coverages[i] > 0 ? id : 0));
+        is_seen = is_seen || coverages[i] > 0;
+    }
+    CHECK(is_seen);
+    CHECK(status_of([&] { etd::trace_mattes(scene, 8, 6, few(), ETD_MATTE_OBJECT, 3, ids, coverages); }) ==
+          ETD_INVALID_ARGUMENT);
+    CHECK(status_of([&] { etd::trace_mattes(scene, 8, 6, few(), ETD_MATTE_OBJECT, 0, ids, coverages); }) ==
+          ETD_INVALID_ARGUMENT);
+    scene.set_surface_name(number, "");
+    CHECK(scene.surface_name(number).empty());
+}
+
 void all() {
     light_maps();
+    mattes();
     errors();
     owners();
     shared_meshes();

@@ -287,6 +287,9 @@ static void enumerations(void) {
     ENUM(etd_quantity);
     VALUE(ETD_QUANTITY_ILLUMINANCE);
     VALUE(ETD_QUANTITY_LUMINANCE);
+    ENUM(etd_matte_kind);
+    VALUE(ETD_MATTE_OBJECT);
+    VALUE(ETD_MATTE_MATERIAL);
 }
 
 static void structures(void) {

@@ -180,6 +180,15 @@ static etd_status measure(struct stage *it) {
     return etd_scene_measure(it->scene, ETD_QUANTITY_ILLUMINANCE, points, POINTS, &options, values, NULL, NULL);
 }
 
+/* The arrays take no more memory than the points. */
+static etd_status trace_mattes(struct stage *it) {
+    enum { SIDE = 150, LEVELS = 6 };
+    const etd_render_options options = short_render(1);
+    uint32_t *ids = (uint32_t *)(void *)it->text;
+    float *coverages = (float *)(void *)(ids + SIDE * SIDE * LEVELS);
+    return etd_scene_trace_mattes(it->scene, SIDE, SIDE, &options, ETD_MATTE_OBJECT, LEVELS, ids, coverages);
+}
+
 /* A mesh of a file, whose lines are as short as they can be: what is read of it is many times its size. */
 static void with_obj(struct stage *it) {
     FILE *file = fopen("memory.obj", "w");
@@ -251,7 +260,8 @@ static const struct {
     {"scene of a text", with_text, read_text},      {"radiosity", with_patches, radiosity}, {"paths", with_film, paths},
     {"photons", with_film, photons},                {"atlas", with_patches, atlas},      {"film", nothing, film},
     {"saved film", with_saved_film, save},          {"loaded film", with_saved_film, load}, {"merged film", with_part, merge},
-    {"going on", with_part, go_on},                 {"points", with_points, measure},       {"mesh of a file", with_obj, read_obj},
+    {"going on", with_part, go_on},                 {"points", with_points, measure},       {"mattes", with_points, trace_mattes},
+    {"mesh of a file", with_obj, read_obj},
 };
 
 enum { DONE, REFUSED, OTHER, ABORTED };

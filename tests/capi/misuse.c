@@ -375,6 +375,17 @@ static etd_status n_scene_set_surface_material(void) {
 }
 static etd_status n_scene_set_emission(void) { return CALL(etd_scene_set_emission(SCENE(0), 2, AT(1, grey))); }
 static etd_status n_scene_set_emits_both(void) { return CALL(etd_scene_set_emits_both(SCENE(0), 2, 0)); }
+static etd_status n_scene_set_surface_name(void) {
+    return CALL(etd_scene_set_surface_name(SCENE(0), 2, AT(1, "lamp")));
+}
+static etd_status n_scene_get_surface_name(void) {
+    char *buffer = AT(1, output(64));
+    size_t *needed = AT(2, output(sizeof *needed));
+    if ((nulls & 7u) == 6u) {
+        expected = ETD_INVALID_ARGUMENT; /* one of the two must be there */
+    }
+    return CALL(etd_scene_get_surface_name(SCENE(0), 2, buffer, 64, needed));
+}
 static etd_status n_scene_get_surface(void) {
     etd_surface *surface = AT(1, sized_output(sizeof *surface));
     return CALL(etd_scene_get_surface(SCENE(0), 0, surface));
@@ -808,6 +819,17 @@ static etd_status n_scene_exterior_illuminance(void) {
     return status;
 }
 
+static etd_status n_scene_trace_mattes(void) {
+    etd_render_options options = short_render(1);
+    uint32_t *ids = AT(2, output(4 * sizeof *ids));
+    float *coverages = AT(3, output(4 * sizeof *coverages));
+    return CALL(etd_scene_trace_mattes(SCENE(0), 2, 1, AT(1, &options), ETD_MATTE_OBJECT, 2, ids, coverages));
+}
+static etd_status n_matte_id(void) {
+    uint32_t *id = AT(1, output(sizeof *id));
+    return CALL(etd_matte_id(AT(0, "name"), id));
+}
+
 static etd_status n_photometric_color(void) {
     float *color = AT(1, output(3 * sizeof *color));
     return CALL(etd_photometric_color(800, 12.566, 0, AT(0, grey), color));
@@ -972,6 +994,8 @@ static const struct {
     {"etd_scene_set_surface_material", n_scene_set_surface_material, 1, 1, 1},
     {"etd_scene_set_emission", n_scene_set_emission, 2, 1, 1},
     {"etd_scene_set_emits_both", n_scene_set_emits_both, 1, 1, 1},
+    {"etd_scene_set_surface_name", n_scene_set_surface_name, 2, 1, 1},
+    {"etd_scene_get_surface_name", n_scene_get_surface_name, 3, 1, 1},
     {"etd_scene_set_surface_web", n_scene_set_surface_web, 2, 1, 1},
     {"etd_scene_get_surface_web", n_scene_get_surface_web, 2, 3, 1},
     {"etd_scene_set_spectrum", n_scene_set_spectrum, 2, 1, 1},
@@ -1038,6 +1062,8 @@ static const struct {
     {"etd_scene_bake_vertices", n_scene_bake_vertices, 4, 5, 1},
     {"etd_scene_measure", n_scene_measure, 6, 11, 1},
     {"etd_photometric_color", n_photometric_color, 2, 2, 0},
+    {"etd_scene_trace_mattes", n_scene_trace_mattes, 4, 13, 1},
+    {"etd_matte_id", n_matte_id, 2, 3, 0},
     {"etd_scene_exterior_illuminance", n_scene_exterior_illuminance, 3, 3, 1},
 };
 #define TABLE_SIZE (sizeof table / sizeof table[0])

@@ -409,6 +409,68 @@ static void read_back(etd_scene *made) {
 }
 
 /* The threads of a host: they run what they are given at once, and the first gives back the last references that the host has. */
+/* Mattes: what is refused writes nothing, names change without a build, and pixels rank what they see. */
+static void trace_mattes(etd_scene *made) {
+    enum { SIDE = 8, LEVELS = 3, COUNT = SIDE * SIDE * LEVELS };
+    static uint32_t ids[COUNT], before[COUNT];
+    static float shares[COUNT];
+    etd_render_options options = short_render(16);
+    etd_scene_info old = ETD_SCENE_INFO_INIT, now = ETD_SCENE_INFO_INIT;
+    uint32_t ball = 0, path = 0, first = 0;
+    size_t i, k, met = 0, mixed = 0;
+    const struct {
+        uint32_t width, height, kind, levels, samples;
+    } wrong[] = {
+        {0, SIDE, 0, LEVELS, 1},           {SIDE, 0, 0, LEVELS, 1},  {1u << 14, 1u << 13, 0, LEVELS, 1},
+        {UINT32_MAX, UINT32_MAX, 0, 1, 1}, {SIDE, SIDE, 2, LEVELS, 1}, {SIDE, SIDE, UINT32_MAX, LEVELS, 1},
+        {SIDE, SIDE, 0, 0, 1},             {SIDE, SIDE, 0, 65, 1},   {SIDE, SIDE, 0, UINT32_MAX, 1},
+        {SIDE, SIDE, 0, LEVELS, 0},
+    };
+    memset(ids, 0x5a, sizeof ids);
+    memcpy(before, ids, sizeof ids);
+    for (i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
+        options.samples = wrong[i].samples;
+        options.time_limit = wrong[i].samples == 0 ? 1 : 0;
+        CHECK_STATUS(etd_scene_trace_mattes(made, wrong[i].width, wrong[i].height, &options, wrong[i].kind,
+                                            wrong[i].levels, ids, shares),
+                     ETD_INVALID_ARGUMENT);
+    }
+    CHECK(memcmp(ids, before, sizeof ids) == 0);
+    options = short_render(16);
+    options.seed = 3;
+    CHECK_OK(etd_scene_get_info(made, &old));
+    CHECK_OK(etd_scene_set_surface_name(made, 0, "ball"));
+    CHECK_OK(etd_scene_commit(made, NULL, NULL));
+    CHECK_OK(etd_scene_get_info(made, &now));
+    CHECK(memcmp(&old, &now, sizeof old) == 0);
+    CHECK_OK(etd_matte_id("ball", &ball));
+    CHECK_OK(etd_matte_id("surfaces[1]", &path));
+    CHECK_OK(etd_matte_id("first", &first));
+    CHECK_OK(etd_matte_id("bunny", &before[0]));
+    CHECK(before[0] == 0x13851a76);
+    CHECK_STATUS(etd_matte_id("\xff", &before[0]), ETD_INVALID_ARGUMENT);
+    CHECK_OK(etd_scene_trace_mattes(made, SIDE, SIDE, &options, ETD_MATTE_OBJECT, LEVELS, ids, shares));
+    for (i = 0; i < COUNT; i += LEVELS) {
+        float sum = 0;
+        for (k = 0; k < LEVELS; ++k) {
+            const float share = shares[i + k];
+            CHECK((share > 0) == (ids[i + k] != 0) && share * 16 == (float)(int)(share * 16));
+            CHECK(k == 0 || share <= shares[i + k - 1]);
+            met += ids[i + k] == ball || ids[i + k] == path;
+            sum += share;
+        }
+        mixed += shares[i + 1] > 0;
+        CHECK(sum <= 1);
+    }
+    CHECK(met > 0 && mixed > 0);
+    CHECK_OK(etd_scene_trace_mattes(made, SIDE, SIDE, &options, ETD_MATTE_MATERIAL, LEVELS, ids, shares));
+    for (i = 0, met = 0; i < COUNT; ++i) {
+        met += ids[i] == first;
+    }
+    CHECK(met > 0);
+    CHECK_OK(etd_scene_set_surface_name(made, 0, ""));
+}
+
 static struct {
     etd_device *device;
     etd_scene *scene;
@@ -467,5 +529,6 @@ void misuse_queries(void) {
     refuse_columns(made);
     look(made);
     read_back(made);
+    trace_mattes(made);
     etd_scene_release(made);
 }

@@ -940,7 +940,21 @@ static void pass_spectra(void) {
     CHECK_OK(etd_scene_set_spectrum(scene, ETD_SPECTRUM_OF_SURFACE, flat, &spectrum));
     CHECK_OK(etd_scene_get_surface(scene, flat, &known));
     CHECK(known.emission[0] > 0.99F && known.emission[0] < 1.01F && known.emission[2] > 0.99F && known.emission[2] < 1.01F);
+    {
+        char name[16] = "before";
+        size_t needed = 0;
+        CHECK_OK(etd_scene_get_surface_name(scene, flat, name, sizeof name, &needed));
+        CHECK(needed == 1 && name[0] == 0);
+        CHECK_STATUS(etd_scene_set_surface_name(scene, flat, "\xff"), ETD_INVALID_ARGUMENT);
+        CHECK_OK(etd_scene_set_surface_name(scene, flat, "the lamp"));
+        CHECK_OK(etd_scene_get_surface_name(scene, flat, name, 4, &needed));
+        CHECK(needed == 9 && strcmp(name, "the") == 0);
+        CHECK_OK(etd_scene_set_surface_name(scene, flat, NULL));
+        CHECK_OK(etd_scene_get_surface_name(scene, flat, name, sizeof name, NULL));
+        CHECK(name[0] == 0);
+    }
     CHECK_OK(etd_scene_remove_surface(scene, flat));
+    CHECK_STATUS(etd_scene_set_surface_name(scene, flat, "gone"), ETD_INVALID_ARGUMENT);
     CHECK_STATUS(etd_scene_set_spectrum(scene, ETD_SPECTRUM_OF_SURFACE, flat, &spectrum), ETD_INVALID_ARGUMENT);
     { /* lights that are changed keep their spectra */
         etd_distant_light sun = ETD_DISTANT_LIGHT_INIT;
@@ -1211,6 +1225,11 @@ static void pass_indices(void) {
         CHECK_STATUS(etd_scene_set_surface_material(scene, n, 0), ETD_INVALID_ARGUMENT);
         CHECK_STATUS(etd_scene_set_emission(scene, n, grey), ETD_INVALID_ARGUMENT);
         CHECK_STATUS(etd_scene_set_emits_both(scene, n, 1), ETD_INVALID_ARGUMENT);
+        CHECK_STATUS(etd_scene_set_surface_name(scene, n, "none"), ETD_INVALID_ARGUMENT);
+        {
+            char name[4];
+            CHECK_STATUS(etd_scene_get_surface_name(scene, n, name, sizeof name, NULL), ETD_INVALID_ARGUMENT);
+        }
         {
             etd_surface_web lit = ETD_SURFACE_WEB_INIT;
             CHECK_STATUS(etd_scene_set_surface_web(scene, n, &lit), ETD_INVALID_ARGUMENT);

@@ -48,6 +48,7 @@ mod film;
 mod light;
 mod lighting;
 mod material;
+mod mattes;
 mod motion;
 mod query;
 mod render;
@@ -63,6 +64,7 @@ pub use film::*;
 pub use light::*;
 pub use lighting::*;
 pub use material::*;
+pub use mattes::*;
 pub use motion::*;
 pub use query::*;
 pub use render::*;
@@ -146,6 +148,8 @@ mod numbers {
     pub type EtdSkyProjection = u32;
     /// The enumeration of this name, as a number.
     pub type EtdQuantity = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdMatteKind = u32;
     /// The enumeration of this name, as a number.
     pub type EtdSpectrumKind = u32;
     /// The enumeration of this name, as a number.
