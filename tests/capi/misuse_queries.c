@@ -438,6 +438,7 @@ static void trace_mattes(etd_scene *made) {
     CHECK(memcmp(ids, before, sizeof ids) == 0);
     options = short_render(16);
     options.seed = 3;
+    CHECK_OK(etd_scene_commit(made, NULL, NULL));
     CHECK_OK(etd_scene_get_info(made, &old));
     CHECK_OK(etd_scene_set_surface_name(made, 0, "ball"));
     CHECK_OK(etd_scene_commit(made, NULL, NULL));

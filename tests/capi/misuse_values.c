@@ -954,7 +954,7 @@ static void pass_spectra(void) {
         CHECK(name[0] == 0);
     }
     CHECK_OK(etd_scene_remove_surface(scene, flat));
-    CHECK_STATUS(etd_scene_set_surface_name(scene, flat, "gone"), ETD_INVALID_ARGUMENT);
+    CHECK_STATUS(etd_scene_set_surface_name(scene, flat, "gone"), ETD_INVALID_SCENE);
     CHECK_STATUS(etd_scene_set_spectrum(scene, ETD_SPECTRUM_OF_SURFACE, flat, &spectrum), ETD_INVALID_ARGUMENT);
     { /* lights that are changed keep their spectra */
         etd_distant_light sun = ETD_DISTANT_LIGHT_INIT;
