@@ -1,8 +1,9 @@
 //! Queries of several rays at once.
 //!
 //! Rays without any coherence are traced up to twice as fast in packets as one by one, because the call and its
-//! preparation are shared. Embree then traverses each ray by itself, so results have the same bits as those of single
-//! rays, whatever else is in the packet. (Packets for coherent rays would be faster for camera rays, but the choice of
+//! preparation are shared. Embree then traverses each ray by itself, so results have the same bits whatever else is in
+//! the packet. Single rays are answered alike to the last bit on some processors only: a ray is therefore traced in a
+//! packet even where it is the only one. (Packets for coherent rays would be faster for camera rays, but the choice of
 //! a triangle at a shared edge would depend on the other rays.)
 
 use super::ray::{Hit, INVALID};
@@ -13,9 +14,6 @@ use crate::math::{Ray, Vec3, Vec4};
 
 /// Most rays in one packet.
 pub const PACKET: usize = 16;
-
-/// Packets whose lanes are filled to less than one in this many are traced ray by ray.
-const MIN_FILL: usize = 4;
 
 #[inline(always)]
 fn transposed([a, b, c, d]: [Vec4; 4]) -> [[f32; 4]; 4] {
@@ -138,7 +136,7 @@ packets!(eight, 8, 32, RTCRay8, RTCRayHit8, rtcIntersect8, rtcOccluded8);
 packets!(sixteen, 16, 64, RTCRay16, RTCRayHit16, rtcIntersect16, rtcOccluded16);
 
 impl Scene {
-    /// The first hit of each ray: the same as [`Scene::intersect`], but faster. Calls `meet` with the index of each ray
+    /// The first hit of each ray: the same as [`Scene::intersect`] but for the rounding of distance and place, and faster. Calls `meet` with the index of each ray
     /// that hits a surface. `tfar`: the end of each ray, in place of its own.
     #[inline]
     pub fn intersect_many(&self, rays: &[Ray], tfar: impl Fn(usize) -> f32, mut meet: impl FnMut(usize, Hit)) {
@@ -181,8 +179,7 @@ impl Scene {
             PacketWidth::One | PacketWidth::Sixteen => PACKET,
         };
         for (number, packet) in rays.chunks(lanes).enumerate() {
-            let width = if packet.len() * MIN_FILL < lanes { PacketWidth::One } else { self.inner.width };
-            trace(number * lanes, packet, width);
+            trace(number * lanes, packet, self.inner.width);
         }
     }
 }
@@ -259,7 +256,17 @@ mod tests {
         Some([t.to_bits(), u.to_bits(), v.to_bits(), ng.x.to_bits(), ng.y.to_bits(), ng.z.to_bits(), prim, geom, inst])
     }
 
-    /// Narrower packets than the processor's are answered too.
+    /// The same hit, and distance, place and normal within a few roundings, which count for more in narrow triangles: on some
+    /// processors Embree's packets take other reciprocals than its single rays.
+    fn is_alike(a: Option<Hit>, b: Option<Hit>) -> bool {
+        let (Some(a), Some(b)) = (a, b) else { return a.is_none() == b.is_none() };
+        let [x, y] = [a, b].map(|hit| [hit.t, hit.u, hit.v, hit.ng.x, hit.ng.y, hit.ng.z]);
+        let is_near = x.iter().zip(y).all(|(x, y)| (x - y).abs() <= 1e-5 * x.abs().max(1.0));
+        (a.prim, a.geom, a.inst) == (b.prim, b.geom, b.inst) && is_near
+    }
+
+    /// Packets of any number answer as single rays do, and to the last bit as packets of one ray do: no ray depends on others. Narrower
+    /// packets than the processor's are answered too.
     #[test]
     fn packets_of_any_width_and_number_answer_as_single_rays_do() {
         let mut rng = Rng::new(11, 0);
@@ -291,7 +298,14 @@ mod tests {
                     scene.occluded_many(&rays, |number| blocked[number] = true);
                     for (i, ray) in rays.iter().enumerate() {
                         let alone = scene.intersect(&Ray { tfar: end(i), ..*ray });
-                        assert_eq!(bits(found[i]), bits(alone), "{options:?}, {width:?}: {ray:?}");
+                        assert!(
+                            is_alike(found[i], alone),
+                            "{options:?}, {width:?}: {ray:?}, {:?}, {alone:?}",
+                            found[i]
+                        );
+                        let mut only = None;
+                        scene.intersect_many(std::slice::from_ref(ray), |_| end(i), |_, hit| only = Some(hit));
+                        assert_eq!(bits(found[i]), bits(only), "{options:?}, {width:?}: {ray:?}");
                         assert_eq!(blocked[i], scene.occluded(ray), "{options:?}, {width:?}: {ray:?}");
                     }
                     met += found.iter().flatten().count();

@@ -4,6 +4,7 @@
 #include <etendue.hpp>
 
 #include <chrono>
+#include <cmath>
 #include <cstring>
 #include <stdexcept>
 #include <string>
@@ -163,7 +164,7 @@ void shared_meshes() {
             CHECK(status_of([&] { scene.intersect(rays, hits); }) == ETD_INVALID_ARGUMENT);
             CHECK(status_of([&] { scene.occluded(rays, answers); }) == ETD_INVALID_ARGUMENT);
         }
-        CHECK(hit.surface == 1 && hit.t == 1);
+        CHECK(hit.surface == 1 && std::fabs(hit.t - 1) < 1e-6F);
         CHECK(scene.occluded(etd::ray({0.2F, 0.2F, 1}, {0, 0, -1})));
         CHECK(!scene.occluded(etd::ray({0.2F, 0.2F, 1}, {0, 0, 1})));
     }
