@@ -307,6 +307,7 @@ fn render_frame<R: Runner>(
     } else {
         let mut image = render.film().try_develop().map_err(Failure::running)?;
         let mut attributes = output::summary_attributes(&summary);
+        let mut without_mattes = None;
         if let Some(bands) = bands.filter(|_| !summary.stopped) {
             let spectral = layers::render(scene, &settings, bands, args.quiet)?;
             is_stopped = spectral.len() < bands.count;
@@ -314,15 +315,20 @@ fn render_frame<R: Runner>(
             attributes.extend(output::spectral_attributes());
         }
         if !is_stopped {
-            match args.mattes.trace(description, scene, &settings, &summary, args.quiet)? {
-                None => is_stopped = true,
-                Some(found) => {
+            match args.mattes.trace(description, scene, &settings, &summary, args.quiet) {
+                Ok(None) => is_stopped = true,
+                Ok(Some(found)) => {
                     image.layers.extend(found.layers);
                     attributes.extend(found.attributes);
                 }
+                Err(failure) => without_mattes = Some(failure),
             }
         }
         write(&image, summary.samples, attributes)?;
+        // The picture is not lost with its mattes.
+        if let Some(failure) = without_mattes {
+            return Err(failure);
+        }
     }
     if let Some(path) = &args.stats {
         let stats = Stats::new(args, &desc, &summary, workers.threads(), build_time);

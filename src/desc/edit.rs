@@ -392,9 +392,15 @@ impl SceneDesc {
     /// [`Mattes`](crate::render::Mattes). No picture depends on it, so nothing has to be built again.
     ///
     /// # Errors
-    /// [`crate::ErrorKind::InvalidScene`] for a number that no surface has or that belongs to a removed surface.
+    /// [`crate::ErrorKind::InvalidScene`] for a number that no surface has or that belongs to a removed surface, and for a name with a NUL.
     pub fn set_surface_name(&mut self, surface: usize, name: &str) -> Result<()> {
         self.live_surface(surface)?;
+        if name.contains('\0') {
+            return Err(Error::invalid(
+                format!("surfaces[{surface}].name"),
+                "the name has a NUL, which ends a name in C",
+            ));
+        }
         name.clone_into(&mut self.surfaces[surface].name);
         Ok(())
     }

@@ -578,6 +578,9 @@ fn checked_name(path: &str, name: Option<String>) -> Result<String> {
     if name.as_ref().is_some_and(String::is_empty) {
         return Err(Error::invalid(join(path, "name"), "the name is empty, expected one letter at least, or no name"));
     }
+    if name.as_ref().is_some_and(|name| name.contains('\0')) {
+        return Err(Error::invalid(join(path, "name"), "the name has a NUL, which ends a name in C"));
+    }
     Ok(name.unwrap_or_default())
 }
 

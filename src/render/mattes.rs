@@ -390,6 +390,8 @@ impl Trace {
         let [left, top] = [number % across, number / across].map(|place| place as u32 * TILE);
         let [columns, rows] = [self.resolution[0] - left, self.resolution[1] - top].map(|size| size.min(TILE));
         memory.counts.iter_mut().flatten().for_each(Vec::clear);
+        // Samples since the last look at whether to stop: where the camera sees nothing they have no ray.
+        let mut waiting = 0;
         for row in 0..rows {
             for column in 0..columns {
                 let pixel = [left + column + self.origin[0], top + row + self.origin[1]];
@@ -398,7 +400,9 @@ impl Trace {
                         memory.rays.push(ray);
                         memory.owners.push((row * TILE + column) as u16);
                     }
-                    if memory.rays.len() == WAVE {
+                    waiting += 1;
+                    if waiting == WAVE {
+                        waiting = 0;
                         self.count_hits(memory)?;
                         // The calling thread reports progress in `pause`. A tile that was begun is completed.
                         pause();

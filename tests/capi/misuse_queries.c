@@ -408,7 +408,6 @@ static void read_back(etd_scene *made) {
     CHECK(shape.kind == ETD_SHAPE_NONE && shape.vertices[0] == 0);
 }
 
-/* The threads of a host: they run what they are given at once, and the first gives back the last references that the host has. */
 /* Mattes: what is refused writes nothing, names change without a build, and pixels rank what they see. */
 static void trace_mattes(etd_scene *made) {
     enum { SIDE = 8, LEVELS = 3, COUNT = SIDE * SIDE * LEVELS };
@@ -472,6 +471,7 @@ static void trace_mattes(etd_scene *made) {
     CHECK_OK(etd_scene_set_surface_name(made, 0, ""));
 }
 
+/* The threads of a host: they run what they are given at once, and the first gives back the last references that the host has. */
 static struct {
     etd_device *device;
     etd_scene *scene;
