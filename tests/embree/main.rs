@@ -22,3 +22,9 @@ fn mesh_scene(device: &Device, options: SceneOptions, mesh: &TriangleMesh) -> Sc
     builder.add_triangles(mesh.clone()).expect("a mesh");
     builder.commit(None).expect("a build")
 }
+
+/// A distance without its last bits, which depend on the processor's reciprocals.
+fn rounded(t: f32) -> f32 {
+    const STEPS: f32 = (1 << 20) as f32;
+    (t * STEPS).round() / STEPS
+}
