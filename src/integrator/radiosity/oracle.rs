@@ -79,7 +79,7 @@ const NEGLIGIBLE: f64 = 1.0 / 64.0;
 
 /// Up to this number of patches, clusters are linked only where they are dark, because all pairs of patches can be
 /// evaluated.
-const FEW_PATCHES: usize = 1200;
+pub(super) const FEW_PATCHES: usize = 1200;
 
 /// Of a partly visible source, the radiosity may vary by this fraction of the allowed error, because such errors have
 /// the same sign.

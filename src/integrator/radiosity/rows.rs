@@ -18,6 +18,7 @@ use super::elements::{Elements, NONE, Node};
 use super::light::{DirectionalPolynomial, intensities};
 use super::links::{Link, POINT, intensity_by};
 use super::node_irradiance::{received_by, strength};
+use super::oracle::FEW_PATCHES;
 use super::refine::{LinkHierarchy, SharedHierarchy};
 use super::vertices::{LEAVES_PER_TASK, leaves};
 use crate::control::Parallel;
@@ -80,7 +81,8 @@ const CLUSTER_BYTES: usize = 6 * size_of::<DirectionalPolynomial>();
 const NODE_BYTES: usize = size_of::<Sight>() + size_of::<f32>();
 
 impl Rows {
-    /// Looks at the rows of a hierarchy whose links are final. `None` where no leaf is closed.
+    /// Looks at the rows of a hierarchy whose links are final. `None` where no leaf is closed, and where so few patches are linked that
+    /// clusters bring only what is dark.
     ///
     /// # Errors
     /// [`crate::ErrorKind::OutOfMemory`]; `Cancelled`.
@@ -88,6 +90,9 @@ impl Rows {
         let (leaves, count, nodes) = {
             let hierarchy = shared.read().unwrap_or_else(PoisonError::into_inner);
             let elements = &hierarchy.oracle.elements;
+            if elements.patches.len() <= FEW_PATCHES {
+                return Ok(None);
+            }
             let (clusters, nodes) = (hierarchy.clusters.len(), elements.nodes.len());
             // What is found of clusters takes as much again while it is found.
             hierarchy.check_step(2 * (CLUSTER_BYTES * clusters + NODE_BYTES * nodes))?;
