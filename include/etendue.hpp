@@ -372,6 +372,22 @@ template <class T>
     return Outcome<T>(std::forward<T>(value));
 }
 
+/** A text that `copy` writes to a buffer as `etd_scene_copy_text` does. It may grow between two calls, when another thread changes it. */
+template <class Copy>
+[[nodiscard]] inline Outcome<std::string> copied(const Copy &copy) {
+    std::string text;
+    std::size_t needed = 0;
+    etd_status status = copy(nullptr, 0, &needed);
+    while (status == ETD_OK && needed > text.size()) {
+        text.resize(needed);
+        status = copy(text.data(), text.size(), &needed);
+    }
+    if (status == ETD_OK) {
+        text.resize(needed - 1);
+    }
+    return give(status, std::move(text));
+}
+
 /** Ends a call for which being cancelled or still running is no failure. */
 [[nodiscard]] inline Outcome<etd_status> ended(etd_status status) {
     if (status != ETD_OK && status != ETD_CANCELLED && status != ETD_RUNNING) {
@@ -796,18 +812,9 @@ public:
     }
     /** A text about the scene. */
     Outcome<std::string> text(etd_text which) const {
-        std::string text;
-        std::size_t needed = 0;
-        etd_status status = etd_scene_copy_text(get(), which, nullptr, 0, &needed);
-        // It may grow between the two calls, when another thread builds.
-        while (status == ETD_OK && needed > text.size()) {
-            text.resize(needed);
-            status = etd_scene_copy_text(get(), which, text.data(), text.size(), &needed);
-        }
-        if (status == ETD_OK) {
-            text.resize(needed - 1);
-        }
-        return detail::give(status, std::move(text));
+        return detail::copied([&](char *buffer, std::size_t capacity, std::size_t *needed) {
+            return etd_scene_copy_text(get(), which, buffer, capacity, needed);
+        });
     }
     /** The settings that the scene itself asks for. */
     Outcome<etd_render_options> render_options() const {
@@ -1100,18 +1107,9 @@ public:
     }
     /** The name of a surface; empty where it has none. */
     Outcome<std::string> surface_name(std::uint32_t number) const {
-        std::string name;
-        std::size_t needed = 0;
-        etd_status status = etd_scene_get_surface_name(get(), number, nullptr, 0, &needed);
-        // It may grow between the two calls, when another thread changes it.
-        while (status == ETD_OK && needed > name.size()) {
-            name.resize(needed);
-            status = etd_scene_get_surface_name(get(), number, name.data(), name.size(), &needed);
-        }
-        if (status == ETD_OK) {
-            name.resize(needed - 1);
-        }
-        return detail::give(status, std::move(name));
+        return detail::copied([&](char *buffer, std::size_t capacity, std::size_t *needed) {
+            return etd_scene_get_surface_name(get(), number, buffer, capacity, needed);
+        });
     }
     /** Lets a flat surface shine by a photometric web; its emission is a factor on it then. */
     Outcome<void> set_surface_web(std::uint32_t number, const etd_surface_web &web) {

@@ -12,7 +12,7 @@ use super::read;
 use super::scene::etd_scene;
 use super::status::{Failure, Result, etd_status};
 use super::types::{ETD_NONE, etd_surface, etd_surface_web};
-use crate::desc::{AreaWebDesc, ShapeDesc, SurfaceLook, below};
+use crate::desc::{AreaWebDesc, ShapeDesc, SurfaceDesc, SurfaceLook, below};
 use crate::math::{Bounds, DAffine3, DVec3};
 
 /// Adds a sphere with its normals outwards. `centre`: three numbers; `radius` > 0. A transform that stretches the sphere makes
@@ -368,6 +368,12 @@ pub unsafe extern "C" fn etd_scene_set_emits_both(scene: *mut etd_scene, surface
     }
 }
 
+/// The surface of a number that was not removed.
+fn live(surfaces: &[SurfaceDesc], number: u32) -> Result<&SurfaceDesc> {
+    let it = find(surfaces, number, "surface")?;
+    if it.hidden { Err(Failure::argument(format!("surface {number} was removed"))) } else { Ok(it) }
+}
+
 /// Names the object that a surface is, or is a part of, in mattes (`etd_scene_trace_mattes`): all surfaces of one name are one object.
 /// NULL or an empty text takes the name away. `name`: UTF-8, which is copied. No picture depends on names, so nothing is built
 /// again. Thread-safe.
@@ -407,10 +413,7 @@ pub unsafe extern "C" fn etd_scene_get_surface_name(
     unsafe {
         on(scene, |scene| {
             let desc = scene.desc();
-            let it = find(&desc.surfaces, surface, "surface")?;
-            if it.hidden {
-                return Err(Failure::argument(format!("surface {surface} was removed")));
-            }
+            let it = live(&desc.surfaces, surface)?;
             copy_text(&it.name, buffer, capacity, out_needed)
         })
     }
@@ -510,10 +513,7 @@ pub unsafe extern "C" fn etd_scene_get_surface(
     unsafe {
         on(scene, |scene| {
             let desc = scene.desc();
-            let it = find(&desc.surfaces, surface, "surface")?;
-            if it.hidden {
-                return Err(Failure::argument(format!("surface {surface} was removed")));
-            }
+            let it = live(&desc.surfaces, surface)?;
             let value = etd_surface {
                 struct_size: size_of::<etd_surface>(),
                 material: it.material.map_or(ETD_NONE, |material| material as u32),
