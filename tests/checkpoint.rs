@@ -104,6 +104,45 @@ fn in_pieces(scene: &Scene, settings: &RenderSettings, calls: usize) -> Render {
     finish(render)
 }
 
+/// A radiosity solution that time has ended is made once more as it was, by whoever goes on, and by another number of threads.
+#[test]
+fn solutions_that_time_has_ended_go_on_as_they_are() {
+    let scene = built(&room(PAINT));
+    let whole = settings(IntegratorDesc::Radiosity);
+    let ended = RenderSettings { time_limit: Some(Duration::ZERO), ..whole.clone() };
+    let run = |render: &mut Render| render.run(&mut |_| ControlFlow::Continue(())).unwrap().notes;
+    let is_early = |notes: &[String]| notes.iter().any(|note| note.contains("the time limit ended the solution early"));
+
+    let mut begun = Render::new(&scene, ended.clone()).unwrap();
+    assert!(is_early(&run(&mut begun)));
+    let checkpoint = begun.checkpoint().unwrap();
+    let goes_on = |threads: usize, samples: u32| {
+        let mut settings = RenderSettings { threads, ..whole.clone() };
+        settings.desc.samples = samples;
+        let mut render = Render::resume(&scene, settings, moved(&checkpoint)).unwrap();
+        assert!(is_early(&run(&mut render)));
+        render
+    };
+    let [one, two] = [1, 2].map(|threads| goes_on(threads, 16));
+    assert_eq!(bits(&one.image()), bits(&two.image()));
+    let again = moved(&goes_on(1, 8).checkpoint().unwrap());
+    let mut render = Render::resume(&scene, whole.clone(), again).unwrap();
+    assert!(is_early(&run(&mut render)));
+    assert_eq!(bits(&one.image()), bits(&render.image()));
+
+    let mut other = Render::new(&scene, whole.clone()).unwrap();
+    assert!(!is_early(&run(&mut other)));
+    assert_ne!(bits(&one.image()), bits(&other.image()));
+    // What is early is near to the whole.
+    let mean = |render: &Render| render.image().rgb.iter().map(|&x| f64::from(x)).sum::<f64>();
+    let ratio = mean(&one) / mean(&other);
+    assert!((ratio - 1.0).abs() < 0.2, "{ratio}");
+
+    // Shares of a picture have one solution, which is the whole.
+    let share = RenderSettings { share: Some(Share::new(1, 2).unwrap()), ..ended };
+    assert!(!is_early(&run(&mut Render::new(&scene, share).unwrap())));
+}
+
 #[test]
 fn interrupted_renders_come_to_the_same_film() {
     for integrator in IntegratorDesc::ALL {

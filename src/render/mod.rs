@@ -48,7 +48,7 @@ use crate::film::{ErrorEstimate, ErrorMeasure, Film, FilmOptions, Image, Placeme
 use crate::integrator::Path;
 use crate::integrator::light_tracing::{LightPaths, LightPictures};
 use crate::integrator::photon::{Choice, Plan, choose};
-use crate::integrator::radiosity::{Radiosity, RadiosityPicture};
+use crate::integrator::radiosity::{Radiosity, RadiosityPicture, Steps};
 use crate::integrator::reuse::PathReuse;
 use crate::integrator::{check_light_parts, check_support, check_wavelengths, no_wavelengths};
 use crate::sampling::{AnySampler, Filter, Pattern, PatternSampler, SobolSampler};
@@ -136,6 +136,8 @@ pub struct Render {
     comparison: std::result::Result<(), &'static str>,
     /// The radiosity solution, once it is made, where the integrator is radiosity.
     radiosity: Option<Arc<Radiosity>>,
+    /// Where it is to end, where the render goes on as it began or as others do.
+    solution: Option<Steps>,
     /// The integrator of the current pass.
     method: Method,
     /// What a pilot is to say, until it has.
@@ -276,6 +278,7 @@ impl Render {
             cache,
             comparison,
             radiosity: None,
+            solution: None,
             method,
             undecided,
             found: None,
@@ -355,15 +358,15 @@ impl Render {
             if self.light_paths.is_some() || self.undecided.is_some() {
                 count = count.min(LightPictures::most_samples(&self.film));
             }
-            // All prepare it at the same time, but for what a pilot says.
-            let asks_pilot = self.undecided.is_some();
-            if let Some(crew) = crew.as_deref_mut().filter(|_| !asks_pilot) {
+            // All prepare it at the same time, but for what a pilot or the time says.
+            let is_open = self.undecided.is_some() || self.has_open_solution();
+            if let Some(crew) = crew.as_deref_mut().filter(|_| !is_open) {
                 crew.begin_pass(self.samples, self.samples + count, self.ways());
             }
             if let Some(ended) = self.prepare(&schedule, start, progress)? {
                 break ended;
             }
-            if let Some(crew) = crew.as_deref_mut().filter(|_| asks_pilot) {
+            if let Some(crew) = crew.as_deref_mut().filter(|_| is_open) {
                 crew.begin_pass(self.samples, self.samples + count, self.ways());
             }
             if let Some(ended) = self.trace_light(count, &schedule, start, progress)? {
@@ -478,6 +481,7 @@ impl Render {
             progress(&report).is_break()
         };
         let deadline = limit.and_then(|limit| start.checked_add(limit));
+        let extent = self.extent(start);
         let mut pool = WorkerPool::new(&self.workers, &self.settings.cancel, deadline, &mut callback);
         let time_left = self.settings.time_limit.map(|limit| limit.saturating_sub(start.elapsed()));
         let made = match (&mut self.plan, undecided) {
@@ -503,7 +507,7 @@ impl Render {
                 self.rays += plan.rays() - before;
                 gather
             }
-            (None, None) => Radiosity::solve(&self.scene, &self.desc.radiosity, &mut pool).map(|solution| {
+            (None, None) => Radiosity::solve_to(&self.scene, &self.desc.radiosity, extent, &mut pool).map(|solution| {
                 let solution = Arc::new(solution);
                 self.radiosity = Some(Arc::clone(&solution));
                 schedule.prepared.set(1.0);

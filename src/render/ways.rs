@@ -16,11 +16,12 @@ use super::report::{Ended, Progress};
 use super::schedule::Schedule;
 use super::settings::RenderSettings;
 use super::worker_pool::WorkerPool;
-use crate::desc::{IntegratorDesc, MAX_SHADOW_RAYS};
+use crate::desc::{IntegratorDesc, MAX_SHADOW_RAYS, Preparation};
 use crate::error::{ErrorKind, Result};
 use crate::integrator::Path;
 use crate::integrator::light_tracing::{LightPaths, LightPictures};
 use crate::integrator::photon::Choice;
+use crate::integrator::radiosity::{Extent, Steps};
 use crate::integrator::reuse::PathReuse;
 use crate::integrator::{
     check_bias, check_first_shadow_rays, check_light_paths, check_reuse, check_support, no_choice,
@@ -71,6 +72,8 @@ pub(super) struct Ways {
     pub first_shadow_rays: Option<u32>,
     /// Whether the irradiance cache takes the place of paths, where `auto` may choose it.
     pub cache: Option<bool>,
+    /// Where the radiosity solution ended, where there is one.
+    pub solution: Option<Steps>,
 }
 
 /// Why each path is by itself where light is kept apart.
@@ -258,7 +261,7 @@ impl Render {
         let first_shadow_rays = open.is_none_or(|open| !open.first_shadow_rays).then_some(self.first_shadow_rays);
         let is_cached = self.integrator() == IntegratorDesc::IrradianceCache;
         let cache = open.is_none_or(|open| !open.cache).then_some(is_cached);
-        Ways { reuse, light_paths, first_shadow_rays, cache }
+        Ways { reuse, light_paths, first_shadow_rays, cache, solution: self.steps() }
     }
 
     /// Takes what a pilot has said, if it has, so that it is not asked again.
@@ -289,7 +292,31 @@ impl Render {
             let why = "the part of the render before chose so, and more samples take nothing from its bias";
             self.settle_cache(is_taken.then_some(why));
         }
+        self.solution = ways.solution.or(self.solution);
         self.undecided = self.undecided.take().and_then(|open| open.without(ways));
+    }
+
+    /// Where the radiosity solution ended, or is to end where that is known.
+    fn steps(&self) -> Option<Steps> {
+        let has_one = self.integrator().info().preparation == Preparation::RadiositySolution;
+        let known = self.radiosity.as_ref().map(|solution| solution.steps()).or(self.solution);
+        known.filter(|_| has_one)
+    }
+
+    /// How far the radiosity solution goes that the render begins with. Time ends none of a share, since those of the others might end
+    /// elsewhere.
+    pub(super) fn extent(&self, start: Instant) -> Extent {
+        let limit = self.settings.time_limit.filter(|_| self.settings.share.is_none());
+        match (self.solution, limit.and_then(|limit| start.checked_add(limit))) {
+            (Some(steps), _) => Extent::Steps(steps),
+            (None, Some(end)) => Extent::Until(end),
+            (None, None) => Extent::Steps(Steps::WHOLE),
+        }
+    }
+
+    /// Whether time may end a radiosity solution that is still to be made.
+    pub(super) fn has_open_solution(&self) -> bool {
+        self.wants_solution() && matches!(self.extent(Instant::now()), Extent::Until(_))
     }
 
     /// Takes the irradiance cache in place of paths, for this reason, or leaves it for good. Nothing changes in a render that has no such

@@ -33,6 +33,7 @@
 //! Environments".
 
 mod albedo;
+mod course;
 mod elements;
 pub mod form_factor;
 mod gather;
@@ -51,6 +52,7 @@ mod textured;
 mod vertices;
 mod visibility;
 
+pub(crate) use course::{Extent, Steps};
 pub(crate) use picture::RadiosityPicture;
 
 use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
@@ -66,11 +68,12 @@ use crate::math::{DVec3, Ray, Vec3};
 use crate::sampling::Rng;
 use crate::scene::{FaceNumbers, Hit, Scene};
 use crate::spectrum::Rgb;
+use course::{Course, Step};
 use elements::{Elements, NONE};
 use oracle::RefinementOracle;
 use refine::{LinkHierarchy, SharedHierarchy};
 use rows::Rows;
-use solve::Convergence;
+use solve::{Convergence, Iterations, MAX_ITERATIONS};
 
 /// Size, convergence and cost of a solution.
 #[derive(Clone, Copy, Debug, Default)]
@@ -109,6 +112,7 @@ pub struct Radiosity {
     irradiance: Vec<Rgb>,
     summary: RadiositySummary,
     notes: Vec<String>,
+    steps: Steps,
 }
 
 /// The elements of a surface, as triangles. Neighbours share vertices, but not where a texture varies the surface: there each element
@@ -172,8 +176,19 @@ impl Radiosity {
     /// [`crate::ErrorKind::InvalidScene`] for settings that no file could have given; `OutOfMemory` where elements and
     /// links take more than `memory` allows; `Cancelled`.
     pub fn solve(scene: &Scene, desc: &RadiosityDesc, parallel: &mut impl Parallel) -> Result<Self> {
+        Self::solve_to(scene, desc, Extent::Steps(Steps::WHOLE), parallel)
+    }
+
+    /// [`Self::solve`], which may end early: links are then less accurate, or what follows them is left out.
+    pub(crate) fn solve_to(
+        scene: &Scene,
+        desc: &RadiosityDesc,
+        extent: Extent,
+        parallel: &mut impl Parallel,
+    ) -> Result<Self> {
         check_support(scene, IntegratorDesc::Radiosity)?;
         let start = Instant::now();
+        let mut course = Course::new(extent);
         check_radiosity("render", desc)?;
         parallel.check()?;
         let limit = (desc.memory as usize).saturating_mul(1 << 20);
@@ -190,17 +205,18 @@ impl Radiosity {
         let has_transport =
             !scene.emitters().is_dark() && !is_emission && !read(&shared).oracle.elements.patches.is_empty();
         let (convergence, ambient) = if has_transport {
-            link_scene(&shared, desc, parallel)?;
-            measure_links(&shared, parallel)?;
-            balance_leaves(&shared, parallel)?;
-            solve_system(&shared, desc, &mut Part::new(parallel, PROGRESS_BALANCED..PROGRESS_SOLVED))?
+            link_scene(&shared, desc, &mut course, parallel)?;
+            course.step(Step::Measuring, || measure_links(&shared, parallel))?;
+            balance_leaves(&shared, &mut course, parallel)?;
+            let is_short = course.is_short();
+            solve_system(&shared, desc, is_short, &mut Part::new(parallel, PROGRESS_BALANCED..PROGRESS_SOLVED))?
         } else {
             let mut hierarchy = write(&shared);
             hierarchy.first = vec![0; hierarchy.oracle.elements.nodes.len() + 1];
             Default::default()
         };
         parallel.progress(PROGRESS_SOLVED);
-        let (irradiance, leaves) = final_irradiance(&shared, desc, ambient, parallel)?;
+        let (irradiance, leaves) = final_irradiance(&shared, desc, (ambient, course.is_short()), parallel)?;
         let mut hierarchy = write(&shared);
         let mut summary = RadiositySummary {
             links: hierarchy.links.len(),
@@ -219,8 +235,12 @@ impl Radiosity {
         summary.add_power(scene, &elements, &leaves, from_infinity);
         summary.elapsed = start.elapsed();
         notes.push(summary.note(solve::largest_albedo(&elements) < 1.0));
+        let steps = course.steps();
+        if !steps.is_whole() {
+            notes.push(course.note(hierarchy.oracle.threshold / hierarchy.oracle.allowed));
+        }
         let numbers = scene.face_numbers();
-        Ok(Self { elements, numbers, scene: scene.clone(), irradiance, summary, notes })
+        Ok(Self { elements, numbers, scene: scene.clone(), irradiance, summary, notes, steps })
     }
 
     /// Irradiance [W m^-2] at a hit of a ray in the same scene, on the outer side of the surface (`front`) or the inner
@@ -261,6 +281,11 @@ impl Radiosity {
     /// Size, convergence and cost of the solution.
     pub fn summary(&self) -> &RadiositySummary {
         &self.summary
+    }
+
+    /// Where the solution ended.
+    pub(crate) fn steps(&self) -> Steps {
+        self.steps
     }
 
     /// Notes for the user.
@@ -371,12 +396,15 @@ fn measure_links(shared: &SharedHierarchy, parallel: &mut impl Parallel) -> Resu
 }
 
 /// Balances the leaves until the radiosities have settled. In the last balance, leaves trace their own visibility rays.
-fn balance_leaves(shared: &SharedHierarchy, parallel: &mut impl Parallel) -> Result<()> {
+fn balance_leaves(shared: &SharedHierarchy, course: &mut Course, parallel: &mut impl Parallel) -> Result<()> {
     let start = PROGRESS_SUBDIVIDED[SUBDIVISIONS - 1];
     let mut is_settled = false;
     for count in 1..=MAX_BALANCES {
         let is_last = is_settled || count == MAX_BALANCES;
-        solve::balance(shared, is_last, parallel)?;
+        let step = if is_last { Step::LastBalance } else { Step::Balance };
+        if !course.step(step, || solve::balance(shared, is_last, parallel))? {
+            break;
+        }
         parallel.progress(start + (PROGRESS_BALANCED - start) * f64::from(count) / f64::from(MAX_BALANCES));
         if is_last {
             break;
@@ -395,17 +423,31 @@ fn balance_leaves(shared: &SharedHierarchy, parallel: &mut impl Parallel) -> Res
     Ok(())
 }
 
-/// Solves the system of equations. Returns the ambient irradiance too, which is 0 for gathering.
+/// Solves the system of equations; `is_short`: leaves are not balanced any more. Returns the ambient irradiance too, which is 0 for
+/// gathering.
 fn solve_system(
     shared: &SharedHierarchy,
     desc: &RadiosityDesc,
+    is_short: bool,
     parallel: &mut impl Parallel,
 ) -> Result<(Convergence, DVec3)> {
+    if is_short && desc.iterations.is_none() {
+        // Where leaves are not balanced to the end, iterations may diverge.
+        let most = ITERATIONS_PER_BALANCE as u32;
+        let iterations = Iterations::Until { tolerance: desc.tolerance, most };
+        return Ok((solve::gather(shared, iterations, parallel)?, DVec3::ZERO));
+    }
     match desc.solver {
         // The last bounce of a fixed number is gathered at the vertices.
         RadiositySolver::Gather => {
-            let bounces = desc.iterations.map(|count| count.saturating_sub(1));
-            let convergence = solve::gather(shared, bounces, BALANCED_BOUNCES, desc.tolerance, parallel)?;
+            let iterations = match desc.iterations {
+                Some(count) => {
+                    let balanced = if is_short { 0 } else { BALANCED_BOUNCES };
+                    Iterations::Fixed { count: count.saturating_sub(1), balanced }
+                }
+                None => Iterations::Until { tolerance: desc.tolerance, most: MAX_ITERATIONS },
+            };
+            let convergence = solve::gather(shared, iterations, parallel)?;
             let iterations = desc.iterations.unwrap_or(convergence.iterations);
             Ok((Convergence { iterations, ..convergence }, DVec3::ZERO))
         }
@@ -420,10 +462,10 @@ type FinalIrradiance = (Vec<Rgb>, Vec<(u32, DVec3)>);
 fn final_irradiance(
     shared: &SharedHierarchy,
     desc: &RadiosityDesc,
-    ambient: DVec3,
+    (ambient, is_short): (DVec3, bool),
     parallel: &mut impl Parallel,
 ) -> Result<FinalIrradiance> {
-    if desc.iterations.is_some_and(|count| count > 0) {
+    if desc.iterations.is_some_and(|count| count > 0) && !is_short {
         solve::balance(shared, true, parallel)?;
     }
     let mut leaves = node_irradiance::leaf_irradiances(shared, parallel)?;
@@ -441,14 +483,22 @@ fn final_irradiance(
 }
 
 /// Links all elements and clusters, first with a large allowed error, then with smaller ones as radiosities become
-/// known.
-fn link_scene(shared: &SharedHierarchy, desc: &RadiosityDesc, parallel: &mut impl Parallel) -> Result<()> {
+/// known. The first links are made in any case.
+fn link_scene(
+    shared: &SharedHierarchy,
+    desc: &RadiosityDesc,
+    course: &mut Course,
+    parallel: &mut impl Parallel,
+) -> Result<()> {
     let allowed = 1e-3 * desc.error;
     let mut norm = estimate_norm(&read(shared))?;
     let mut pairs = refine::first_pairs(&read(shared));
     let last = COARSE_FACTORS.len() - 1;
     for step in 0..COARSE_FACTORS.len() + FULL_REFINEMENTS {
         let coarse_factor = COARSE_FACTORS[step.min(last)];
+        if course.refines_no_more(read(shared).links.len()) {
+            return Ok(());
+        }
         {
             let oracle = &mut write(shared).oracle;
             (oracle.threshold, oracle.allowed) = (coarse_factor * allowed * norm, allowed * norm);
@@ -459,7 +509,7 @@ fn link_scene(shared: &SharedHierarchy, desc: &RadiosityDesc, parallel: &mut imp
             pairs = refine::take_inaccurate(shared, parallel)?;
         }
         let count = pairs.len();
-        refine::refine(shared, pairs, parallel)?;
+        refine::refine(shared, pairs, course, parallel)?;
         sampled::estimate(shared, parallel)?;
         pairs = Vec::new();
         if step > last && count == 0 {
@@ -478,12 +528,15 @@ fn link_scene(shared: &SharedHierarchy, desc: &RadiosityDesc, parallel: &mut imp
         parallel.progress(PROGRESS_LINKED[step]);
     }
     for done in PROGRESS_SUBDIVIDED {
+        if course.refines_no_more(read(shared).links.len()) {
+            return Ok(());
+        }
         mark_discontinuities(shared, parallel)?;
         let pairs = refine::take_inaccurate(shared, parallel)?;
         if pairs.is_empty() {
             break;
         }
-        refine::refine(shared, pairs, parallel)?;
+        refine::refine(shared, pairs, course, parallel)?;
         sampled::estimate(shared, parallel)?;
         for _ in 0..ITERATIONS_PER_REFINEMENT {
             solve::jacobi_iteration(shared, parallel)?;

@@ -5,6 +5,7 @@
 
 use std::sync::{Arc, PoisonError, RwLock};
 
+use super::course::Course;
 use super::elements::{Elements, Node};
 use super::light::{DirectionalPolynomial, NodeRadiosity};
 use super::links::{Link, POINT, PointLight};
@@ -196,6 +197,18 @@ impl LinkHierarchy {
         self.sampled.as_ref().map_or([DVec3::ZERO; 3], |sampled| sampled.of(leaf).corners.map(|e| e.to_f64()))
     }
 
+    /// How many links all leaves gather over, together: their own and those of the nodes above them.
+    pub fn gathered_links(&self) -> usize {
+        let nodes = &self.oracle.elements.nodes;
+        let parent = |number: &usize| Some(nodes[*number].parent as usize).filter(|parent| *parent < nodes.len());
+        let of = |leaf: usize| {
+            let own_and_above = std::iter::successors(Some(leaf), parent);
+            own_and_above.map(|number| (self.first[number + 1] - self.first[number]) as usize).sum::<usize>()
+        };
+        let leaves = nodes.iter().enumerate().filter(|(_, node)| !node.is_cluster() && node.is_leaf());
+        leaves.map(|(leaf, _)| of(leaf)).sum()
+    }
+
     pub fn links_of(&self, node: u32) -> &[Link] {
         &self.links[self.first[node as usize] as usize..self.first[node as usize + 1] as usize]
     }
@@ -256,28 +269,46 @@ pub(super) fn first_pairs(hierarchy: &LinkHierarchy) -> Vec<(u32, u32)> {
     std::iter::once((top, top)).chain(lights).collect()
 }
 
-/// Evaluates `pairs` and the pairs of their children until all are linked, and sorts the links. Returns the number of
-/// pairs that were evaluated.
-pub(super) fn refine(shared: &SharedHierarchy, pairs: Vec<(u32, u32)>, parallel: &mut impl Parallel) -> Result<u64> {
+/// Factor on the allowed error once refinement ends early: that of the refinement before, whose links are among the pairs.
+const COARSER: f64 = 4.0;
+
+/// Evaluates `pairs` and the pairs of their children until all are linked, and sorts the links. What is left when the course ends is
+/// linked with larger errors.
+pub(super) fn refine(
+    shared: &SharedHierarchy,
+    pairs: Vec<(u32, u32)>,
+    course: &mut Course,
+    parallel: &mut impl Parallel,
+) -> Result<()> {
     // The last pairs come first, so that the list stays short.
     let mut waiting = pairs;
-    let mut evaluated = 0;
+    let mut is_over = false;
     while !waiting.is_empty() {
+        if !is_over {
+            let mut hierarchy = shared.write().unwrap_or_else(PoisonError::into_inner);
+            is_over = course.refines_no_more(hierarchy.links.len() + waiting.len());
+            if is_over {
+                hierarchy.oracle.threshold *= COARSER;
+            }
+        }
         check_room(PAIRS_PER_ROUND.min(waiting.len()) * (size_of::<(u32, u32)>() + DECISION_BYTES))?;
         let round = Arc::new(waiting.split_off(waiting.len().saturating_sub(PAIRS_PER_ROUND)));
-        evaluated += round.len() as u64;
+        let count = round.len() as u64;
         let (hierarchy, pairs) = (Arc::clone(shared), Arc::clone(&round));
         let decisions = parallel.map(round.len().div_ceil(PAIRS_PER_TASK), move |block| {
             let hierarchy = hierarchy.read().unwrap_or_else(PoisonError::into_inner);
             let pairs = pairs[block * PAIRS_PER_TASK..].iter().take(PAIRS_PER_TASK);
             pairs.map(|&(receiver, source)| hierarchy.oracle.decide(receiver, source)).collect::<Vec<_>>()
         })?;
+        course.evaluated(count);
         let mut hierarchy = shared.write().unwrap_or_else(PoisonError::into_inner);
         hierarchy.apply(&round, decisions.into_iter().flatten(), &mut waiting)?;
         hierarchy.check_growth(2 * size_of_val(&*waiting))?;
     }
-    shared.write().unwrap_or_else(PoisonError::into_inner).sort()?;
-    Ok(evaluated)
+    let mut hierarchy = shared.write().unwrap_or_else(PoisonError::into_inner);
+    hierarchy.sort()?;
+    course.linked(hierarchy.links.len(), hierarchy.gathered_links());
+    Ok(())
 }
 
 /// Number of links, for a step that visits them all, and for which there is room.

@@ -35,7 +35,7 @@ const MAX_RAYS: f64 = 16.0;
 const SCALE_LIMITS: [f64; 2] = [1e-3, 8.0];
 
 /// The iteration ends after this many iterations in any case.
-const MAX_ITERATIONS: u32 = 100_000;
+pub(super) const MAX_ITERATIONS: u32 = 100_000;
 
 /// Convergence of a solution.
 #[derive(Clone, Copy, Debug, Default)]
@@ -213,13 +213,19 @@ pub(super) fn largest_albedo(elements: &Elements) -> f64 {
     all.map(|element| elements.albedo(element).max_element()).fold(0.0, f64::max)
 }
 
-/// Gathers `iterations` times from the emission alone, or until the rest is at most `tolerance`. `balanced`: of a fixed
-/// number of iterations, how many of the first are balanced each by itself.
+/// How often light is gathered.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Iterations {
+    /// So many times from the emission alone. The first of them are balanced each by itself.
+    Fixed { count: u32, balanced: u32 },
+    /// Until the rest is at most this, but no more than so many times.
+    Until { tolerance: f64, most: u32 },
+}
+
+/// Gathers light until it is solved for.
 pub(super) fn gather(
     shared: &SharedHierarchy,
-    iterations: Option<u32>,
-    balanced: u32,
-    tolerance: f64,
+    iterations: Iterations,
     parallel: &mut impl Parallel,
 ) -> Result<Convergence> {
     let albedo = largest_albedo(&shared.read().unwrap_or_else(PoisonError::into_inner).oracle.elements);
@@ -227,23 +233,28 @@ pub(super) fn gather(
     // more.
     let left = if albedo < 1.0 { albedo / (1.0 - albedo) } else { f64::INFINITY };
     let mut convergence = Convergence { residual: 1.0, bound: f64::INFINITY, ..Convergence::default() };
-    if iterations.is_some() {
-        shared.write().unwrap_or_else(PoisonError::into_inner).emit();
-    }
-    let mut before = f64::INFINITY;
-    while convergence.iterations < iterations.unwrap_or(MAX_ITERATIONS) {
-        if iterations.is_some() && convergence.iterations < balanced {
-            balance(shared, true, parallel)?;
+    let most = match iterations {
+        Iterations::Fixed { count, .. } => {
+            shared.write().unwrap_or_else(PoisonError::into_inner).emit();
+            count
         }
-        convergence.residual = if iterations.is_some() {
-            jacobi_iteration(shared, parallel)?
-        } else {
-            gauss_seidel_iteration(shared, parallel)?
+        Iterations::Until { most, .. } => most,
+    };
+    let mut before = f64::INFINITY;
+    while convergence.iterations < most {
+        convergence.residual = match iterations {
+            Iterations::Fixed { balanced, .. } => {
+                if convergence.iterations < balanced {
+                    balance(shared, true, parallel)?;
+                }
+                jacobi_iteration(shared, parallel)?
+            }
+            Iterations::Until { .. } => gauss_seidel_iteration(shared, parallel)?,
         };
         convergence.iterations += 1;
         parallel.progress(match iterations {
-            Some(count) => f64::from(convergence.iterations) / f64::from(count),
-            None => convergence.residual.ln() / tolerance.ln(),
+            Iterations::Fixed { count, .. } => f64::from(convergence.iterations) / f64::from(count),
+            Iterations::Until { tolerance, .. } => convergence.residual.ln() / tolerance.ln(),
         });
         convergence.bound = convergence.residual * left;
         // The rest if the change continues to shrink at the present rate. It is less than the bound where light
@@ -251,11 +262,12 @@ pub(super) fn gather(
         let shrinking = (convergence.residual / before).min(1.0);
         let rest = convergence.residual * shrinking / (1.0 - shrinking);
         before = convergence.residual;
-        // Further iterations cannot repair values that are not finite.
-        let is_over = convergence.residual == 0.0 || !convergence.residual.is_finite();
-        let is_done = is_over || (convergence.residual < tolerance && rest.min(convergence.bound) < tolerance);
-        if iterations.is_none() && is_done {
-            break;
+        if let Iterations::Until { tolerance, .. } = iterations {
+            // Further iterations cannot repair values that are not finite.
+            let is_over = convergence.residual == 0.0 || !convergence.residual.is_finite();
+            if is_over || (convergence.residual < tolerance && rest.min(convergence.bound) < tolerance) {
+                break;
+            }
         }
     }
     Ok(convergence)
@@ -317,6 +329,14 @@ mod tests {
         Arc::new(RwLock::new(hierarchy))
     }
 
+    fn fixed(count: u32) -> Iterations {
+        Iterations::Fixed { count, balanced: 0 }
+    }
+
+    fn until(tolerance: f64) -> Iterations {
+        Iterations::Until { tolerance, most: MAX_ITERATIONS }
+    }
+
     #[test]
     fn cube_with_one_patch_a_face() {
         for (albedo, expected) in [
@@ -331,12 +351,12 @@ mod tests {
                 }
             };
             let shared = cube(albedo);
-            let convergence = gather(&shared, None, 0, 1e-9, &mut Alone::default()).unwrap();
+            let convergence = gather(&shared, until(1e-9), &mut Alone::default()).unwrap();
             check(&shared, "gathered", 1e-8);
             assert!(convergence.bound < 1e-8 && convergence.iterations < 100, "{convergence:?}");
 
             let shared = cube(albedo);
-            gather(&shared, Some(150), 0, 0.5, &mut Alone::default()).unwrap();
+            gather(&shared, fixed(150), &mut Alone::default()).unwrap();
             check(&shared, "bounces", 1e-8);
 
             let shared = cube(albedo);
@@ -350,11 +370,11 @@ mod tests {
     #[test]
     fn bounds_hold() {
         let exact = cube(0.8);
-        gather(&exact, None, 0, 1e-12, &mut Alone::default()).unwrap();
+        gather(&exact, until(1e-12), &mut Alone::default()).unwrap();
         let sum = |shared: &SharedHierarchy| shared.read().unwrap().oracle.radiosity.b.iter().map(|b| b.x).sum::<f64>();
         for iterations in [1, 2, 5, 20] {
             let shared = cube(0.8);
-            let convergence = gather(&shared, Some(iterations), 0, 0.5, &mut Alone::default()).unwrap();
+            let convergence = gather(&shared, fixed(iterations), &mut Alone::default()).unwrap();
             let left = (sum(&exact) - sum(&shared)) / sum(&shared);
             assert!(
                 left <= convergence.bound && left > 0.2 * convergence.bound,

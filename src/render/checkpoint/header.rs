@@ -12,6 +12,7 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::film::{ErrorMeasure, FilmOptions, Placement};
 use crate::integrator::photon::PlanState;
 use crate::integrator::photon::coverage::DiskCoverage;
+use crate::integrator::radiosity::Steps;
 use crate::spectrum::Sensor;
 
 /// The header of a checkpoint.
@@ -39,6 +40,8 @@ pub(in super::super) struct Header {
     pub first_shadow_rays: Option<u32>,
     /// Whether `auto` has taken the irradiance cache in place of paths; `None` as long as a pilot is to say.
     pub cache: Option<bool>,
+    /// Where the radiosity solution ended; `None` where there is none.
+    pub solution: Option<Steps>,
     /// Number of complete samples per pixel.
     pub samples: u32,
     /// Number of samples per pixel at which the next decision is made.
@@ -200,8 +203,8 @@ impl Header {
 
     /// What pixels have in common.
     pub fn ways(&self) -> Ways {
-        let Self { reuse, light_paths, first_shadow_rays, cache, .. } = *self;
-        Ways { reuse, light_paths, first_shadow_rays, cache }
+        let Self { reuse, light_paths, first_shadow_rays, cache, solution, .. } = *self;
+        Ways { reuse, light_paths, first_shadow_rays, cache, solution }
     }
 
     /// The part of the picture.

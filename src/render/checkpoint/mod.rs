@@ -77,6 +77,7 @@ pub(super) fn begin(
         light_paths: None,
         first_shadow_rays: None,
         cache: None,
+        solution: None,
         samples: 0,
         decision: 0,
         stage: None,
@@ -224,6 +225,7 @@ impl Checkpoint {
                 let is_open = is_open || [whole.reuse, header.reuse].contains(&None);
                 let is_open = is_open || [whole.first_shadow_rays, header.first_shadow_rays].contains(&None);
                 let is_open = is_open || [whole.cache, header.cache].contains(&None);
+                let is_open = is_open || whole.solution.is_some() != header.solution.is_some();
                 let what = "the shares were rendered in different ways: one with hits that pixels share or with an irradiance cache, or other numbers of light paths or samples";
                 let what = if is_open { "some shares have no samples, others have" } else { what };
                 return invalid(what.to_owned());

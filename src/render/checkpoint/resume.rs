@@ -9,6 +9,7 @@ use super::{Checkpoint, Header, damaged};
 use crate::desc::{IntegratorDesc, RenderDesc};
 use crate::error::{Error, ErrorKind, Result};
 use crate::film::Film;
+use crate::integrator::radiosity::Steps;
 use crate::integrator::{check_first_shadow_rays, check_light_paths};
 use crate::scene::Scene;
 
@@ -48,7 +49,8 @@ impl Render {
         let has_begun = header.samples > 0;
         let first_shadow_rays = header.first_shadow_rays.or(has_begun.then_some(own));
         let cache = header.cache.or(has_begun.then_some(false));
-        render.set_ways(Ways { first_shadow_rays, cache, ..header.ways() });
+        let solution = header.solution.or(has_begun.then_some(Steps::WHOLE));
+        render.set_ways(Ways { first_shadow_rays, cache, solution, ..header.ways() });
         if cache == Some(true) && render.integrator() != IntegratorDesc::IrradianceCache {
             return Err(damaged("its render took an irradiance cache that these settings do not ask for"));
         }
@@ -79,12 +81,13 @@ impl Render {
     }
 
     pub(in super::super) fn state(&self) -> Checkpoint {
-        let Ways { reuse, light_paths, first_shadow_rays, cache } = self.ways();
+        let Ways { reuse, light_paths, first_shadow_rays, cache, solution } = self.ways();
         let header = Header {
             reuse,
             light_paths,
             first_shadow_rays,
             cache,
+            solution,
             samples: self.samples,
             decision: self.decision,
             stage: self.stage.as_ref().map(|stage| stage.span()),
