@@ -4979,6 +4979,20 @@ etd_status etd_film_write(const struct etd_film *film,
 etd_status etd_film_get_summary(const struct etd_film *film, struct etd_summary *out_summary);
 
 /**
+ * Gives a film another resolution. The film is then as `etd_film_new` makes it: black, without samples, state and summary. It
+ * keeps its handle and its layers.
+ *
+ * Mapped images stay as they are until they are unmapped; they do not count for the device's memory limit. A task that was cancelled or
+ * cut short cannot be resumed while the film has another resolution than when the task was begun, and keeps its samples,
+ * which do not count either, until it is released. `images` of `etd_progress` goes on counting. Errors, after all of which the film is as
+ * it was: `ETD_INVALID_ARGUMENT` for a resolution out of range, `ETD_INVALID_OPERATION` while a render uses the film and while it is
+ * saved, merged or gone on from, `ETD_OUT_OF_MEMORY` if the film would exceed the device's memory limit. Thread-safe.
+ */
+etd_status etd_film_resize(struct etd_film *film,
+                           uint32_t width,
+                           uint32_t height);
+
+/**
  * Saves the state of the last render to a film, so that `etd_film_load` can read it on any machine: all sums of all pixels, the layers,
  * the estimated errors, and what further samples depend on.
  *
@@ -5113,7 +5127,7 @@ etd_status etd_task_cancel(struct etd_task *task);
  * The task continues with the scene that it began with. If the task was cancelled before that scene was built, it continues
  * with the scene as described now. The time limit begins anew. For a complete task, the call does nothing. It returns
  * `ETD_INVALID_OPERATION` while the task runs, after an error, and inside the task's callbacks. If another render has used
- * the film meanwhile, the film shows the image of this task again. Thread-safe.
+ * the film meanwhile, the film shows the image of this task again; a film that was resized meanwhile is `ETD_INVALID_OPERATION`. Thread-safe.
  */
 etd_status etd_task_resume(struct etd_task *task);
 

@@ -1533,6 +1533,10 @@ public:
         const etd_status status = etd_film_get_share(get(), &part.number, &part.count);
         return detail::give(status, std::move(part));
     }
+    /** Makes it a black film of another resolution with the same layers. Maps stay as they are. */
+    Outcome<void> resize(std::uint32_t width, std::uint32_t height) {
+        return detail::done(etd_film_resize(get(), width, height));
+    }
     /** Width and height in pixels. */
     Outcome<Resolution> resolution() const {
         Resolution resolution;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 
 /// The files of the C interface, in the order in which the header presents them.
-const SOURCES: [&str; 38] = [
+const SOURCES: [&str; 39] = [
     "status.rs",
     "last_error.rs",
     "types/mod.rs",
@@ -37,6 +37,7 @@ const SOURCES: [&str; 38] = [
     "motion.rs",
     "texture.rs",
     "film.rs",
+    "film_size.rs",
     "checkpoint.rs",
     "task.rs",
     "query.rs",

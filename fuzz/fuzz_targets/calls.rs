@@ -76,6 +76,7 @@ enum Call {
     GetSurface { surface: u8 },
     Commit { cancel: bool },
     Film { width: u8, height: u8, layers: u16 },
+    Resize { width: u8, height: u8 },
     Render { integrator: u8, sampler: u8, filter: u8, parameters: [f32; 2], samples: u8, depth: u8, film: bool },
     RenderPart { integrator: u8, sampler: u8, picture: [u8; 2], crop: [u32; 2] },
     Start { integrator: u8, samples: u32, time: f64, error: f64 },
@@ -737,6 +738,11 @@ impl World {
                         self.maps.clear();
                         etd_film_release(self.film);
                         self.film = film;
+                    }
+                }
+                Call::Resize { width, height } => {
+                    if !self.film.is_null() {
+                        fine(etd_film_resize(self.film, u32::from(width % 40), u32::from(height % 40)));
                     }
                 }
                 Call::Render { integrator, sampler, filter, parameters, samples, depth, film } => {

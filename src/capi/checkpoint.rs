@@ -10,7 +10,8 @@ use std::time::Duration;
 
 use super::boundary::{Object, boundary, give, items, need, on, read_sized, share, text};
 use super::device::etd_device;
-use super::film::{FIRST_HIT, LIGHT_PARTS, charge, check_layers, etd_film};
+use super::film::{FIRST_HIT, LIGHT_PARTS, check_layers, etd_film};
+use super::film_size::charge;
 use super::read::in_options;
 use super::status::{ETD_INVALID_ARGUMENT, ETD_INVALID_SCENE, Failure, Result, etd_status};
 use super::types::{etd_film_options, etd_render_options};
@@ -386,8 +387,9 @@ pub unsafe extern "C" fn etd_film_get_resolution(
         on(film, |film| {
             need(out_width, "out_width")?;
             need(out_height, "out_height")?;
-            out_width.write(film.resolution[0]);
-            out_height.write(film.resolution[1]);
+            let [width, height] = film.resolution();
+            out_width.write(width);
+            out_height.write(height);
             Ok(())
         })
     }

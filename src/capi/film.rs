@@ -12,20 +12,21 @@ use super::boundary::{
     write_sized,
 };
 use super::device::etd_device;
+use super::film_size::{bytes_when_new, check_size};
 use super::read;
 use super::status::{ETD_OUT_OF_MEMORY, Failure, Result, etd_status};
 use super::types::*;
 use super::work::summary_out;
 use crate::Cancel;
-use crate::desc::{MAX_PIXELS, SceneDesc};
+use crate::desc::SceneDesc;
 use crate::embree::Charge;
-use crate::film::{Film, FilmOptions, Image, LayerKind, Shown, TILE};
+use crate::film::{Film, Image, LayerKind, Shown};
 use crate::output::{self, Attribute, ToneMap, WriteOptions, summary_attributes};
 use crate::render::{Checkpoint, Share, Summary};
 use crate::spectrum::Primaries;
 
 /// The layers besides the colour that are images.
-const LAYERS: [(etd_layer, LayerKind); 10] = [
+pub(super) const LAYERS: [(etd_layer, LayerKind); 10] = [
     (ETD_LAYER_ALBEDO, LayerKind::Albedo),
     (ETD_LAYER_NORMAL, LayerKind::Normal),
     (ETD_LAYER_DEPTH, LayerKind::Depth),
@@ -53,6 +54,7 @@ pub(super) const LIGHT_PARTS: u32 = ETD_LAYER_EMISSION as u32 | ETD_LAYER_DIRECT
 struct DevelopedImage {
     rgba: Vec<f32>,
     layers: Vec<(LayerKind, Vec<f32>)>,
+    resolution: [u32; 2],
     samples: u32,
     /// The sums that the image shows, and how much of them.
     sums: Weak<Film>,
@@ -68,16 +70,18 @@ impl DevelopedImage {
 /// A film: its resolution, its layers and its newest image.
 pub struct etd_film {
     header: Header,
-    pub(super) resolution: [u32; 2],
     layers: u32,
     state: Mutex<FilmState>,
-    /// The film's part of the device's memory limit.
-    _charge: Charge,
     device: Arc<etd_device>,
 }
 object!(etd_film, b"EtFi", "film");
 
 struct FilmState {
+    resolution: [u32; 2],
+    /// How often the film was resized, which tells images of before apart.
+    resizes: u64,
+    /// The film's part of the device's memory limit.
+    charge: Charge,
     /// Whether a render uses the film.
     busy: bool,
     /// Number of those who read the state of the last render, which no render may change meanwhile.
@@ -124,9 +128,11 @@ impl etd_film {
         let samples = state.as_ref().map_or(0, Checkpoint::samples);
         let film = Self {
             header: Header::new::<Self>(device.callbacks()),
-            resolution,
             layers,
             state: Mutex::new(FilmState {
+                resolution,
+                resizes: 0,
+                charge,
                 busy: false,
                 readers: 0,
                 front: Arc::default(),
@@ -140,10 +146,9 @@ impl etd_film {
                 summary: None,
                 attributes: Vec::new(),
             }),
-            _charge: charge,
             device: Arc::clone(device),
         };
-        let black = film.frame()?;
+        let black = film.frame(resolution)?;
         lock(&film.state).front = Arc::new(black);
         Ok(Arc::new(film))
     }
@@ -157,6 +162,36 @@ impl etd_film {
     ) -> Result<Arc<Self>> {
         let resolution = state.film().options().resolution;
         Self::make(device, resolution, layers, charge, Some(state))
+    }
+
+    /// Number of pixels in a row and number of rows.
+    pub(super) fn resolution(&self) -> [u32; 2] {
+        lock(&self.state).resolution
+    }
+
+    /// Makes this a black film of another resolution, which takes so many bytes of the device's memory limit. Maps stay as they are. It is
+    /// an error while the film is in use.
+    pub(super) fn resize(&self, resolution: [u32; 2], bytes: usize) -> Result {
+        let black = Arc::new(self.frame(resolution)?);
+        let mut state = lock(&self.state);
+        state.check_free()?;
+        state.charge.resize(bytes)?;
+        state.resolution = resolution;
+        state.resizes += 1;
+        // What there was is dropped once the lock is free.
+        let old = (
+            std::mem::replace(&mut state.front, black),
+            state.spare.take(),
+            state.undeveloped.take(),
+            state.sums.take(),
+            state.kept.take(),
+        );
+        state.summary = None;
+        state.attributes.clear();
+        // The number of images goes on, so that a host that waits for another number notices the next image.
+        drop(state);
+        drop(old);
+        Ok(())
     }
 
     /// Bits of the layers that the film keeps.
@@ -256,16 +291,18 @@ impl etd_film {
         self.layers & LIGHT_PARTS != 0
     }
 
-    /// Reserves the film for a render. It is an error while another render uses the film.
-    pub(super) fn begin(&self) -> Result {
+    /// Reserves the film for a render of this resolution. It is an error while another render uses the film, and where the film has
+    /// another resolution by now.
+    pub(super) fn begin(&self, resolution: [u32; 2]) -> Result {
         let mut state = lock(&self.state);
-        if state.busy {
-            return Err(Failure::operation("the film is being rendered to: wait for its task, or use another film"));
-        }
-        if state.readers > 0 {
-            return Err(Failure::operation(
-                "the film is being saved, merged or gone on from: wait, or use another film",
-            ));
+        state.check_free()?;
+        if state.resolution != resolution {
+            let [[width, height], [new_width, new_height]] = [resolution, state.resolution];
+            let message = format!(
+                "the film was resized to {new_width} x {new_height} pixels since the render to {width} x {height} was begun: \
+                 begin another one"
+            );
+            return Err(Failure::operation(message));
         }
         state.busy = true;
         Ok(())
@@ -305,12 +342,21 @@ impl etd_film {
         if front.is_of(sums) { sums.has_changed(&front.shown) } else { sums.has_changed(&Shown::default()) }
     }
 
-    /// Develops the current sums to the film's newest image. Returns `false` if that was cancelled.
+    /// Develops the current sums to the film's newest image. Returns `false` if that was cancelled. The film must be reserved.
     pub(super) fn publish(&self, sums: &Arc<Film>, samples: u32, cancel: &Cancel) -> Result<bool> {
-        let spare = lock(&self.state).spare.take();
+        let resizes = lock(&self.state).resizes;
+        self.develop(sums, samples, cancel, resizes)
+    }
+
+    /// Develops sums to the film's newest image, unless the film was resized since it had them. Returns `false` if that was cancelled.
+    ///
+    /// `resizes`: how often the film had been resized when it had the sums.
+    fn develop(&self, sums: &Arc<Film>, samples: u32, cancel: &Cancel, resizes: u64) -> Result<bool> {
+        let resolution = sums.options().resolution;
+        let spare = lock(&self.state).spare.take().filter(|frame| frame.resolution == resolution);
         let mut frame = match spare {
             Some(frame) => frame,
-            None => self.frame()?,
+            None => self.frame(resolution)?,
         };
         frame.samples = samples;
         let with_alpha = self.layers & ETD_LAYER_ALPHA as u32 != 0;
@@ -319,6 +365,9 @@ impl etd_film {
         }
         let is_whole = sums.read_into(&mut frame.rgba, with_alpha, &mut frame.layers, &mut frame.shown, cancel)?;
         let mut state = lock(&self.state);
+        if state.resizes != resizes {
+            return Ok(is_whole);
+        }
         if is_whole {
             let old = std::mem::replace(&mut state.front, Arc::new(frame));
             state.images = state.images.wrapping_add(1);
@@ -337,9 +386,12 @@ impl etd_film {
 
     /// Returns the newest image.
     fn newest(&self) -> Result<Arc<DevelopedImage>> {
-        let undeveloped = lock(&self.state).undeveloped.take();
+        let (undeveloped, resizes) = {
+            let mut state = lock(&self.state);
+            (state.undeveloped.take(), state.resizes)
+        };
         if let Some((sums, samples)) = undeveloped {
-            self.publish(&sums, samples, &Cancel::new())?;
+            self.develop(&sums, samples, &Cancel::new(), resizes)?;
         }
         Ok(Arc::clone(&lock(&self.state).front))
     }
@@ -348,12 +400,12 @@ impl etd_film {
         &self.device
     }
 
-    fn frame(&self) -> Result<DevelopedImage> {
-        let pixels = self.resolution[0] as usize * self.resolution[1] as usize;
+    fn frame(&self, resolution: [u32; 2]) -> Result<DevelopedImage> {
+        let pixels = resolution[0] as usize * resolution[1] as usize;
         let kept = LAYERS.iter().filter(|(layer, _)| self.layers & *layer as u32 != 0);
         let layers = kept.map(|(_, kind)| Ok((*kind, zeros(pixels * kind.channels())?)));
         let (rgba, layers) = (zeros(4 * pixels)?, layers.collect::<Result<_>>()?);
-        Ok(DevelopedImage { rgba, layers, ..DevelopedImage::default() })
+        Ok(DevelopedImage { rgba, layers, resolution, ..DevelopedImage::default() })
     }
 
     /// Returns the data of a layer and its number of channels.
@@ -374,8 +426,24 @@ impl etd_film {
 }
 
 impl FilmState {
-    /// Keeps the memory of an image that is not mapped any more.
+    /// Fails while a render uses the film, or somebody reads the state of its last render.
+    fn check_free(&self) -> Result {
+        if self.busy {
+            return Err(Failure::operation("the film is being rendered to: wait for its task, or use another film"));
+        }
+        if self.readers > 0 {
+            return Err(Failure::operation(
+                "the film is being saved, merged or gone on from: wait, or use another film",
+            ));
+        }
+        Ok(())
+    }
+
+    /// Keeps the memory of an image that is not mapped any more, if the film still has its resolution.
     fn recycle(&mut self, frame: Arc<DevelopedImage>) {
+        if frame.resolution != self.resolution {
+            return;
+        }
         if let (None, Some(frame)) = (&self.spare, Arc::into_inner(frame)) {
             self.spare = Some(frame);
         }
@@ -420,19 +488,11 @@ pub unsafe extern "C" fn etd_film_new(
         on(device, |device| {
             need(out_film, "out_film")?;
             let it = read_sized(options, "options")?;
-            check_size([it.width, it.height])?;
+            let resolution = [it.width, it.height];
+            check_size(resolution, "options.")?;
             check_layers(&it)?;
-            let kept = FilmOptions {
-                resolution: [it.width, it.height],
-                placement: None,
-                auxiliary: it.layers & FIRST_HIT != 0,
-                light_parts: it.layers & LIGHT_PARTS != 0,
-                share: 1,
-                weighted: false,
-                gathering: false,
-            };
-            let charge = charge(device, &kept, it.layers)?;
-            let film = etd_film::make(device, [it.width, it.height], it.layers, charge, None)?;
+            let charge = device.budget.try_charge(bytes_when_new(resolution, it.layers))?;
+            let film = etd_film::make(device, resolution, it.layers, charge, None)?;
             give(film, out_film);
             Ok(())
         })
@@ -447,45 +507,6 @@ pub(super) fn check_layers(options: &etd_film_options) -> Result {
     }
     if options.reserved != 0 {
         return Err(Failure::argument("options.reserved is not 0"));
-    }
-    Ok(())
-}
-
-/// Takes a film's part of the device's memory limit: the sums and two images, one that is shown and one that is being developed.
-pub(super) fn charge(device: &etd_device, film: &FilmOptions, layers: u32) -> crate::Result<Charge> {
-    let channels: usize =
-        LAYERS.iter().filter(|(layer, _)| layers & *layer as u32 != 0).map(|(_, kind)| kind.channels()).sum();
-    // What photons leave in a pixel is not known when a film is made.
-    let kept = FilmOptions { gathering: false, ..*film }.bytes_in_memory();
-    let pixels: u64 = film.resolution.map(u64::from).iter().product();
-    let in_tiles: u64 = film.resolution.map(|side| u64::from(side.div_ceil(TILE) * TILE)).iter().product();
-    let bytes = in_tiles * kept as u64 + pixels * 2 * 4 * (4 + channels as u64);
-    device.budget.try_charge(usize::try_from(bytes).unwrap_or(usize::MAX))
-}
-
-/// Checks the width and height of a film.
-fn check_size(sides: [u32; 2]) -> Result {
-    let names = ["width", "height"];
-    if let Some((name, _)) = names.iter().zip(sides).find(|(_, side)| *side == 0) {
-        return Err(Failure::argument(format!("options.{name} is 0, expected 1 or more")));
-    }
-    // The longer side is the one that is too long.
-    let longer = usize::from(sides[1] > sides[0]);
-    let (long, short) = (sides[longer], u64::from(sides[1 - longer]));
-    let tiles = |length: u64| length.div_ceil(TILE.into());
-    let most = |short: u64| {
-        let in_tiles = 2 * MAX_PIXELS / u64::from(TILE * TILE) / tiles(short) * u64::from(TILE);
-        in_tiles.min(MAX_PIXELS / short)
-    };
-    let refused = |limit: u64, beside: String| {
-        let message = format!("options.{} is {long}, expected {limit} at most{beside}", names[longer]);
-        Err(Failure::argument(message))
-    };
-    if u64::from(long) > most(1) {
-        return refused(most(1), String::new());
-    }
-    if u64::from(long) > most(short) {
-        return refused(most(short), format!(" beside a {} of {short}", names[1 - longer]));
     }
     Ok(())
 }
@@ -544,8 +565,8 @@ pub unsafe extern "C" fn etd_film_map(film: *mut etd_film, layer: EtdLayer, out_
             let map = etd_map {
                 struct_size: size_of::<etd_map>(),
                 data: data.as_ptr(),
-                width: film.resolution[0],
-                height: film.resolution[1],
+                width: frame.resolution[0],
+                height: frame.resolution[1],
                 channels: channels as u32,
                 samples: frame.samples,
                 id,
@@ -613,7 +634,7 @@ pub unsafe extern "C" fn etd_film_copy(
             let frame = film.newest()?;
             let (data, channels) = film.layer(&frame, layer)?;
             let is_color = layer == ETD_LAYER_COLOR as u32;
-            let [width, height] = film.resolution.map(|n| n as usize);
+            let [width, height] = frame.resolution.map(|n| n as usize);
             let (values, value_size) = match read::enumeration("options.format", it.format)? {
                 ETD_FORMAT_FLOAT => (channels, 4),
                 _ if !is_color => {
@@ -636,7 +657,7 @@ pub unsafe extern "C" fn etd_film_copy(
                 let message = format!("size is {size}: {height} rows of {row} bytes, {stride} apart, do not fit");
                 return Err(Failure::argument(message));
             }
-            let display = if value_size == 1 { Some(to_display(&frame.rgba, film.resolution, &it)?) } else { None };
+            let display = if value_size == 1 { Some(to_display(&frame.rgba, frame.resolution, &it)?) } else { None };
             for y in 0..height {
                 let target = pixels.cast::<u8>().add(if it.bottom_up != 0 { height - 1 - y } else { y } * stride);
                 let source = &data[y * width * channels..(y + 1) * width * channels];

@@ -171,7 +171,7 @@ pub unsafe extern "C" fn etd_task_cancel(task: *mut etd_task) -> etd_status {
 /// The task continues with the scene that it began with. If the task was cancelled before that scene was built, it continues
 /// with the scene as described now. The time limit begins anew. For a complete task, the call does nothing. It returns
 /// `ETD_INVALID_OPERATION` while the task runs, after an error, and inside the task's callbacks. If another render has used
-/// the film meanwhile, the film shows the image of this task again. Thread-safe.
+/// the film meanwhile, the film shows the image of this task again; a film that was resized meanwhile is `ETD_INVALID_OPERATION`. Thread-safe.
 ///
 /// # Safety
 /// `task` must be NULL or a task.

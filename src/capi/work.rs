@@ -35,6 +35,8 @@ const IMAGE_COST: u32 = 4;
 pub(super) struct RenderWork {
     scene: Arc<etd_scene>,
     film: Arc<etd_film>,
+    /// The resolution of the film when the work was prepared, which is that of the render.
+    resolution: [u32; 2],
     options: etd_render_options,
     user_data: UserData,
     state: Mutex<WorkState>,
@@ -112,6 +114,7 @@ impl RenderWork {
         let work = Self {
             user_data: UserData(options.user_data),
             scene: Arc::clone(scene),
+            resolution: film.resolution(),
             film,
             options,
             state: Mutex::new(WorkState {
@@ -136,7 +139,7 @@ impl RenderWork {
         work.settings(&cancel)?;
         let (own, other): (Vec<_>, Vec<_>) = resumed.iter().partition(|film| Arc::ptr_eq(film, &work.film));
         let mut held = other.first().map(|film| Held::of(film)).transpose()?;
-        work.film.begin()?;
+        work.film.begin(work.resolution)?;
         if !own.is_empty() {
             match Held::of_reserved(&work.film) {
                 Ok(state) => held = Some(state),
@@ -287,7 +290,7 @@ impl RenderWork {
     }
 
     fn settings(&self, cancel: &Cancel) -> Result<RenderSettings> {
-        let settings = settings_of(&self.options, self.film.resolution, &self.scene.device, cancel)?;
+        let settings = settings_of(&self.options, self.resolution, &self.scene.device, cancel)?;
         let Parts { share, plan } = &self.parts;
         let (auxiliary, light_parts) = (self.film.keeps_first_hits(), self.film.keeps_light_parts());
         Ok(RenderSettings { auxiliary, light_parts, share: *share, checkpoint: plan.clone(), ..settings })
@@ -371,7 +374,7 @@ impl RenderWork {
                 Some(_) => {}
                 None => return Err(Failure::operation("the task is still running")),
             }
-            self.film.begin()?;
+            self.film.begin(self.resolution)?;
             state.run += 1;
             state.has_begun = false;
             state.previous_outcome = state.outcome.take();

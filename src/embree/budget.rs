@@ -48,8 +48,13 @@ impl MemoryBudget {
         if self.try_take(bytes) {
             return Ok(Charge { budget: self.clone(), bytes });
         }
+        Err(self.exceeded(bytes))
+    }
+
+    /// The error where `bytes` more are not left.
+    fn exceeded(&self, bytes: usize) -> Error {
         let message = format!("{bytes} bytes more are past the limit of {}: {} are in use", self.limit(), self.used());
-        Err(Error::new(ErrorKind::OutOfMemory, message))
+        Error::new(ErrorKind::OutOfMemory, message)
     }
 
     /// Takes `bytes` if that many are left.
@@ -98,6 +103,20 @@ impl Charge {
     pub fn bytes(&self) -> usize {
         self.bytes
     }
+
+    /// Makes this a charge of another number of bytes. More are taken beside those that it has, which are not counted twice.
+    ///
+    /// # Errors
+    /// [`ErrorKind::OutOfMemory`] if fewer are left; the charge stays as it was then.
+    pub fn resize(&mut self, bytes: usize) -> Result<()> {
+        match bytes.checked_sub(self.bytes) {
+            Some(more) if !self.budget.try_take(more) => return Err(self.budget.exceeded(more)),
+            Some(_) => {}
+            None => self.budget.release(self.bytes - bytes),
+        }
+        self.bytes = bytes;
+        Ok(())
+    }
 }
 
 impl Drop for Charge {
@@ -116,10 +135,16 @@ mod tests {
         let first = budget.try_charge(60).unwrap();
         assert_eq!(budget.try_charge(41).unwrap_err().kind(), ErrorKind::OutOfMemory);
         assert_eq!(budget.try_charge(usize::MAX).unwrap_err().kind(), ErrorKind::OutOfMemory);
-        let second = budget.try_charge(40).unwrap();
+        let mut second = budget.try_charge(40).unwrap();
         assert_eq!((budget.used(), budget.peak(), first.bytes()), (100, 100, 60));
         drop(first);
         assert_eq!((budget.used(), budget.peak()), (40, 100));
+        assert_eq!(second.resize(101).unwrap_err().kind(), ErrorKind::OutOfMemory);
+        assert_eq!((budget.used(), second.bytes()), (40, 40));
+        second.resize(90).unwrap();
+        assert_eq!((budget.used(), second.bytes()), (90, 90));
+        second.resize(10).unwrap();
+        assert_eq!((budget.used(), second.bytes()), (10, 10));
         drop(second);
         assert_eq!(budget.used(), 0);
         assert!(!budget.force_take(101));

@@ -415,6 +415,12 @@ void contents() {
     film.copy(ETD_LAYER_COLOR, etd::span<float>(floats));
     const etd::Map map = film.map();
     CHECK(std::memcmp(map.data().data(), floats.data(), floats.size() * sizeof(float)) == 0);
+    etd::Film window = etd::Film::create(device, 8, 8);
+    window.resize(3, 2);
+    CHECK(window.resolution().width == 3 && window.resolution().height == 2);
+    CHECK(etd::render(scene, window, few()) == ETD_OK);
+    CHECK(std::memcmp(window.map().data().data(), floats.data(), floats.size() * sizeof(float)) == 0);
+    CHECK(status_of([&] { window.resize(0, 2); }) == ETD_INVALID_ARGUMENT);
     std::vector<unsigned char> bytes(3 * 2 * 3);
     etd_image_options image = etd::image_options();
     image.format = ETD_FORMAT_RGB8;
@@ -608,6 +614,9 @@ void all() {
     status = task->wait();
     CHECK(status && (*status == ETD_CANCELLED || *status == ETD_OK));
     CHECK(film->map()->data().size() == 64);
+    CHECK(film->resize(5, 2) && film->map()->data().size() == 40);
+    CHECK(film->resize(0, 2).error().status() == ETD_INVALID_ARGUMENT);
+    CHECK(film->resize(4, 4));
     etd::Result<etd::Atlas> atlas = etd::Atlas::create(scene);
     CHECK(atlas && atlas->info()->width == 512);
     const etd::Result<etd::Atlas> stopped =

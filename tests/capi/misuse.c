@@ -641,6 +641,13 @@ static etd_status n_film_merge(void) {
     etd_film_release(part);
     return status;
 }
+/* Another film than that of the task, which other entries of the table read. */
+static etd_status n_film_resize(void) {
+    etd_film *own = new_film(device, 4, 4, 0);
+    const etd_status status = CALL(etd_film_resize((etd_film *)handle(0, own), 8, 2));
+    etd_film_release(own);
+    return status;
+}
 static etd_status n_film_get_resolution(void) {
     uint32_t *width = AT(1, output(sizeof *width));
     uint32_t *height = AT(2, output(sizeof *height));
@@ -1033,6 +1040,7 @@ static const struct {
     {"etd_film_load", n_film_load, 4, 11, 1},
     {"etd_film_load_memory", n_film_load_memory, 4, 11, 1},
     {"etd_film_merge", n_film_merge, 2, 3, 0},
+    {"etd_film_resize", n_film_resize, 1, 1, 1},
     {"etd_film_get_resolution", n_film_get_resolution, 3, 7, 1},
     {"etd_film_get_share", n_film_get_share, 3, 7, 1},
     {"etd_render", n_render, 3, 3, 3},
@@ -1207,6 +1215,7 @@ int main(int count, char **arguments) {
         /* Valgrind computes in the default state alone. */
         misuse_float();
     }
+    misuse_hosts();
     misuse_life(quick);
     remove("misuse-scene.json");
     remove("misuse-mesh.obj");

@@ -1,0 +1,231 @@
+/* What programs do that show a scene in a window: films that get another size. */
+#define _POSIX_C_SOURCE 200809L
+#include "misuse.h"
+
+#include <stdint.h>
+
+#define PIXELS(width, height) (4 * (size_t)(width) * (height))
+
+static uint64_t memory_of(etd_device *of) {
+    uint64_t used = 0;
+    CHECK_OK(etd_device_memory(of, &used, NULL));
+    return used;
+}
+
+static void has_size(etd_film *it, uint32_t width, uint32_t height) {
+    uint32_t got[2] = {0, 0};
+    CHECK_OK(etd_film_get_resolution(it, &got[0], &got[1]));
+    CHECK(got[0] == width && got[1] == height);
+}
+
+static void copy_film(etd_film *of, float *pixels, size_t count) {
+    CHECK_OK(etd_film_copy(of, ETD_LAYER_COLOR, NULL, pixels, count * sizeof *pixels, 0));
+}
+
+static void is_black(etd_film *it, uint32_t width, uint32_t height) {
+    etd_map map = ETD_MAP_INIT;
+    etd_summary summary = ETD_SUMMARY_INIT;
+    uint32_t share[2];
+    size_t size = 0, i, lit = 0;
+    has_size(it, width, height);
+    CHECK_OK(etd_film_map(it, ETD_LAYER_COLOR, &map));
+    CHECK(map.width == width && map.height == height && map.samples == 0);
+    for (i = 0; i < PIXELS(width, height); ++i) {
+        lit += map.data[i] != 0.0f;
+    }
+    CHECK(lit == 0);
+    CHECK_OK(etd_film_unmap(it, &map));
+    CHECK_STATUS(etd_film_get_summary(it, &summary), ETD_INVALID_OPERATION);
+    CHECK_STATUS(etd_film_get_share(it, &share[0], &share[1]), ETD_INVALID_OPERATION);
+    CHECK_STATUS(etd_film_save_memory(it, NULL, 0, &size), ETD_INVALID_OPERATION);
+    CHECK_STATUS(etd_film_write(it, "misuse.png", NULL), ETD_INVALID_OPERATION);
+}
+
+/* The film is as a new one of that size, with the layers that it had, and what was mapped stays. */
+static void films_get_another_size(void) {
+    static const uint32_t sizes[][2] = {{24, 20}, {5, 3}, {5, 3}, {40, 8}};
+    static float wanted[PIXELS(40, 20)], got[PIXELS(40, 20)], kept[PIXELS(8, 6)];
+    const uint32_t layers = ETD_LAYER_NORMAL | ETD_LAYER_ALPHA;
+    const etd_render_options options = short_render(3);
+    etd_device *on = new_device(2);
+    etd_scene *of = new_scene(on);
+    etd_film *it;
+    etd_map old = ETD_MAP_INIT;
+    uint64_t without;
+    size_t i;
+    CHECK_OK(etd_scene_commit(of, NULL, NULL));
+    without = memory_of(on);
+    it = new_film(on, 8, 6, layers);
+    CHECK_OK(etd_render(of, it, &options));
+    copy_film(it, kept, PIXELS(8, 6));
+    CHECK_OK(etd_film_map(it, ETD_LAYER_COLOR, &old));
+    for (i = 0; i < sizeof sizes / sizeof sizes[0]; ++i) {
+        const uint32_t width = sizes[i][0], height = sizes[i][1];
+        etd_film *fresh;
+        etd_map map = ETD_MAP_INIT;
+        uint64_t used;
+        CHECK_OK(etd_film_resize(it, width, height));
+        is_black(it, width, height);
+        used = memory_of(on);
+        fresh = new_film(on, width, height, layers);
+        CHECK(memory_of(on) - used == used - without);
+        CHECK_OK(etd_render(of, fresh, &options));
+        CHECK_OK(etd_render(of, it, &options));
+        copy_film(fresh, wanted, PIXELS(width, height));
+        copy_film(it, got, PIXELS(width, height));
+        CHECK(memcmp(wanted, got, PIXELS(width, height) * sizeof *got) == 0);
+        CHECK_OK(etd_film_map(it, ETD_LAYER_NORMAL, &map));
+        CHECK(map.width == width && map.height == height && map.channels == 3 && map.samples == 3);
+        CHECK_OK(etd_film_unmap(it, &map));
+        etd_film_release(fresh);
+        CHECK(memory_of(on) == used);
+    }
+    CHECK(old.width == 8 && old.height == 6 && memcmp(old.data, kept, sizeof kept) == 0);
+    CHECK_OK(etd_film_resize(it, 40, 8));
+    CHECK_OK(etd_film_unmap(it, &old));
+    /* The memory of that map is not taken for images of the new size. */
+    CHECK_OK(etd_render(of, it, &options));
+    copy_film(it, got, PIXELS(40, 8));
+    CHECK(memcmp(wanted, got, PIXELS(40, 8) * sizeof *got) == 0);
+
+    CHECK_STATUS(etd_film_resize(it, 0, 8), ETD_INVALID_ARGUMENT);
+    CHECK(strstr(etd_last_error_message(), "width is 0") == etd_last_error_message());
+    CHECK_STATUS(etd_film_resize(it, 8, 0), ETD_INVALID_ARGUMENT);
+    CHECK_STATUS(etd_film_resize(it, UINT32_MAX, UINT32_MAX), ETD_INVALID_ARGUMENT);
+    CHECK_STATUS(etd_film_resize(it, 1, UINT32_MAX), ETD_INVALID_ARGUMENT);
+    has_size(it, 40, 8);
+    copy_film(it, got, PIXELS(40, 8));
+    CHECK(memcmp(wanted, got, PIXELS(40, 8) * sizeof *got) == 0);
+    etd_film_release(it);
+    CHECK(memory_of(on) == without);
+    etd_scene_release(of);
+    etd_device_release(on);
+}
+
+/* The old size does not count beside the new one, and a film that has no room stays as it is. */
+static void films_have_room(void) {
+    static float wanted[PIXELS(112, 112)], got[PIXELS(112, 112)];
+    const etd_render_options options = short_render(1);
+    etd_device_options limited = ETD_DEVICE_OPTIONS_INIT;
+    etd_device *on = new_device(1);
+    etd_film *it = new_film(on, 128, 128, 0);
+    etd_scene *of;
+    const uint64_t need = memory_of(on);
+    uint64_t used, for_scene;
+    etd_film_release(it);
+    of = new_scene(on);
+    CHECK_OK(etd_scene_commit(of, NULL, NULL));
+    for_scene = memory_of(on);
+    etd_scene_release(of);
+    etd_device_release(on);
+    limited.threads = 1;
+    limited.memory_limit = need + for_scene + need / 8;
+    on = NULL;
+    CHECK_OK(etd_device_new(&limited, &on));
+    of = new_scene(on);
+    it = new_film(on, 112, 112, 0);
+    CHECK_OK(etd_render(of, it, &options));
+    copy_film(it, wanted, PIXELS(112, 112));
+    used = memory_of(on);
+    CHECK_STATUS(etd_film_resize(it, 256, 256), ETD_OUT_OF_MEMORY);
+    has_size(it, 112, 112);
+    CHECK(memory_of(on) == used);
+    copy_film(it, got, PIXELS(112, 112));
+    CHECK(memcmp(wanted, got, sizeof got) == 0);
+    CHECK_OK(etd_film_save(it, "misuse.film"));
+    CHECK_OK(etd_film_resize(it, 128, 128));
+    is_black(it, 128, 128);
+    etd_film_release(it);
+    etd_scene_release(of);
+    etd_device_release(on);
+}
+
+struct resizer {
+    etd_film *own, *read;
+    int builds, renders;
+};
+
+static int32_t resize_in_use(void *user_data, const etd_progress *progress) {
+    struct resizer *it = user_data;
+    if (progress->phase == ETD_PHASE_BUILD) {
+        it->builds++;
+        CHECK_STATUS(etd_film_resize(it->read, 4, 4), ETD_INVALID_OPERATION);
+        CHECK(strstr(etd_last_error_message(), "gone on from") != NULL);
+    } else {
+        it->renders++;
+    }
+    CHECK_STATUS(etd_film_resize(it->own, 4, 4), ETD_INVALID_OPERATION);
+    CHECK(strstr(etd_last_error_message(), "being rendered to") != NULL);
+    return 0;
+}
+
+static int32_t stop_once(void *user_data, const etd_progress *progress) {
+    int *stops = user_data;
+    return progress->phase == ETD_PHASE_RENDER && ++*stops == 1;
+}
+
+/* While a render uses a film or goes on from it, and for tasks that were stopped. */
+static void films_are_in_use(void) {
+    static float wanted[PIXELS(16, 16)], got[PIXELS(16, 16)];
+    etd_device *on = new_device(1);
+    etd_scene *of = new_scene(on), *same = new_scene(on);
+    etd_film *it = new_film(on, 16, 16, 0), *other = new_film(on, 16, 16, 0);
+    etd_render_options options = short_render(4);
+    etd_task *stopped = NULL;
+    struct resizer resizer;
+    uint32_t mesh;
+    int stops = 0;
+    add_grid(of, 60, &mesh);
+    add_grid(same, 60, &mesh);
+    CHECK_OK(etd_render(of, it, &options));
+    memset(&resizer, 0, sizeof resizer);
+    resizer.own = other;
+    resizer.read = it;
+    options = short_render(64);
+    options.resume = it;
+    options.progress = resize_in_use;
+    options.user_data = &resizer;
+    CHECK_OK(etd_render(same, other, &options));
+    CHECK(resizer.builds > 0 && resizer.renders > 0);
+    copy_film(other, wanted, PIXELS(16, 16));
+    CHECK_OK(etd_film_resize(it, 4, 4)); /* nobody reads it any more */
+
+    /* A task that was stopped goes on if the film has its size again. */
+    CHECK_OK(etd_film_resize(it, 16, 16));
+    options = short_render(64);
+    options.progress = stop_once;
+    options.user_data = &stops;
+    CHECK_OK(etd_render_start(of, it, &options, &stopped));
+    CHECK_STATUS(etd_task_wait(stopped, -1), ETD_CANCELLED);
+    CHECK_OK(etd_film_resize(it, 8, 32));
+    CHECK_STATUS(etd_task_resume(stopped), ETD_INVALID_OPERATION);
+    CHECK(strstr(etd_last_error_message(), "resized to 8 x 32") != NULL);
+    is_black(it, 8, 32);
+    CHECK_OK(etd_film_resize(it, 16, 16));
+    is_black(it, 16, 16);
+    CHECK_OK(etd_task_resume(stopped));
+    CHECK_OK(etd_task_wait(stopped, -1));
+    copy_film(it, got, PIXELS(16, 16));
+    CHECK(memcmp(wanted, got, sizeof got) == 0);
+    etd_task_release(stopped);
+
+    /* Nor is the image of a cancelled render, which nobody has asked for yet, that of the film. */
+    stops = 0;
+    options = short_render(1u << 20);
+    options.progress = stop_once;
+    options.user_data = &stops;
+    CHECK_STATUS(etd_render(of, it, &options), ETD_CANCELLED);
+    CHECK_OK(etd_film_resize(it, 32, 32));
+    is_black(it, 32, 32);
+    etd_film_release(it);
+    etd_film_release(other);
+    etd_scene_release(of);
+    etd_scene_release(same);
+    etd_device_release(on);
+}
+
+void misuse_hosts(void) {
+    films_get_another_size();
+    films_have_room();
+    films_are_in_use();
+}
