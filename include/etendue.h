@@ -4734,6 +4734,24 @@ etd_status etd_scene_add_mesh_file(struct etd_scene *scene,
                                    uint32_t *out_mesh);
 
 /**
+ * Adds a mesh that another scene has, without a copy: both scenes read the same arrays, and an array of the host's memory (`ETD_SHARE`)
+ * is released once, when neither scene and no build or render reads it any more.
+ *
+ * Steps in which the mesh deforms come along. Later changes of the mesh in one scene, by `etd_scene_set_mesh`,
+ * `etd_scene_set_mesh_steps` or `etd_scene_remove_mesh`, are none in the other. The scenes build hierarchies, and the vertices that they
+ * place, each for itself, which their devices' memory limits count. The devices may be different ones. `source` may be `scene` itself,
+ * for the same mesh with other steps; for more surfaces of a mesh, `etd_scene_add_mesh_surface` is enough. Messages about the arrays
+ * name the mesh as the first scene does. `name`: name for `etd_scene_find_mesh` in `scene`, unique among its meshes; NULL: none.
+ * `*out_mesh` receives the number of the mesh in `scene`. Errors: `ETD_INVALID_ARGUMENT` for a number that no mesh of `source` has,
+ * `ETD_INVALID_SCENE` for a mesh that was removed and for a name that is taken. Thread-safe.
+ */
+etd_status etd_scene_add_mesh_from(struct etd_scene *scene,
+                                   const char *name,
+                                   const struct etd_scene *source,
+                                   uint32_t source_mesh,
+                                   uint32_t *out_mesh);
+
+/**
  * Replaces the arrays of a mesh, for all surfaces that use it. Arrays that were shared before are released once no build and
  * no render reads them any more. The `name` in `value` is ignored. Thread-safe.
  */

@@ -1216,6 +1216,12 @@ public:
         const etd_status status = etd_scene_add_mesh_file(get(), name, path.c_str(), &number);
         return detail::give(status, std::move(number));
     }
+    /** Adds a mesh that another scene has, without a copy of its arrays; its number here. `name`: NULL for none. */
+    Outcome<std::uint32_t> add_mesh_from(const Scene &source, std::uint32_t mesh, const char *name = nullptr) {
+        std::uint32_t number = ETD_NONE;
+        const etd_status status = etd_scene_add_mesh_from(get(), name, source.get(), mesh, &number);
+        return detail::give(status, std::move(number));
+    }
     /**
      * Adds the surfaces of a Wavefront OBJ file with the file's own materials; the number of the first surface, and how many there
      * are.

@@ -58,6 +58,7 @@ enum Call {
     AddMesh { vertices: Vec<[f32; 3]>, triangles: Vec<[u8; 3]>, flags: u8, stride: u8 },
     SetMesh { mesh: u8, vertices: Vec<[i8; 3]>, triangles: Vec<[u8; 3]>, flags: u8 },
     RemoveMesh { mesh: u8 },
+    MeshFrom { mesh: u8, name: Option<u8> },
     AddMeshSurface { mesh: u8, smooth: u8, material: u8, glow: u8, shift: [i8; 3] },
     AddTexture { kind: u8, size: [u8; 3], format: u8, numbers: [f32; 8], texels: Vec<u8>, name: Option<u8> },
     SetTexture { texture: u8, kind: u8, size: [u8; 3], format: u8, numbers: [f32; 8], texels: Vec<u8> },
@@ -632,6 +633,12 @@ impl World {
                 }
                 Call::RemoveMesh { mesh } => {
                     fine(etd_scene_remove_mesh(scene, u32::from(mesh)));
+                }
+                // Between two scenes or within one, it is the same.
+                Call::MeshFrom { mesh, name } => {
+                    let name = name.map(|name| CString::new(vec![name.max(1)]).expect("no zero byte"));
+                    let name = name.as_ref().map_or(null(), |name| name.as_ptr());
+                    fine(etd_scene_add_mesh_from(scene, name, scene, u32::from(mesh), &raw mut number));
                 }
                 Call::AddMeshSurface { mesh, smooth, material, glow, shift } => {
                     let surface = look(material, [f32::from(glow / 64); 3], shifted(shift, 1.0));

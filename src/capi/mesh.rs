@@ -5,7 +5,7 @@ use std::ffi::c_char;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::boundary::{UserData, need, on, optional_text, read_sized, text};
+use super::boundary::{UserData, need, on, optional_text, read_sized, share, text};
 use super::describe::find;
 use super::read::enumeration;
 use super::scene::etd_scene;
@@ -62,6 +62,48 @@ pub unsafe extern "C" fn etd_scene_add_mesh_file(
             need(out_mesh, "out_mesh")?;
             let (name, path) = (optional_text(name, "name")?, text(path, "path")?);
             let number = scene.edit(|desc| desc.add_mesh_file(name, Path::new(path)))?;
+            out_mesh.write(number as u32);
+            Ok(())
+        })
+    }
+}
+
+/// Adds a mesh that another scene has, without a copy: both scenes read the same arrays, and an array of the host's memory (`ETD_SHARE`)
+/// is released once, when neither scene and no build or render reads it any more.
+///
+/// Steps in which the mesh deforms come along. Later changes of the mesh in one scene, by `etd_scene_set_mesh`,
+/// `etd_scene_set_mesh_steps` or `etd_scene_remove_mesh`, are none in the other. The scenes build hierarchies, and the vertices that they
+/// place, each for itself, which their devices' memory limits count. The devices may be different ones. `source` may be `scene` itself,
+/// for the same mesh with other steps; for more surfaces of a mesh, `etd_scene_add_mesh_surface` is enough. Messages about the arrays
+/// name the mesh as the first scene does. `name`: name for `etd_scene_find_mesh` in `scene`, unique among its meshes; NULL: none.
+/// `*out_mesh` receives the number of the mesh in `scene`. Errors: `ETD_INVALID_ARGUMENT` for a number that no mesh of `source` has,
+/// `ETD_INVALID_SCENE` for a mesh that was removed and for a name that is taken. Thread-safe.
+///
+/// # Safety
+/// Each pointer must be NULL or point to a value of its type.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_add_mesh_from(
+    scene: *mut etd_scene,
+    name: *const c_char,
+    source: *const etd_scene,
+    source_mesh: u32,
+    out_mesh: *mut u32,
+) -> etd_status {
+    // SAFETY: the caller keeps this function's contract.
+    unsafe {
+        on(scene, |scene| {
+            need(out_mesh, "out_mesh")?;
+            let name = optional_text(name, "name")?;
+            let of_source = |failure: Failure| Failure { message: format!("source: {}", failure.message), ..failure };
+            let source = share(source).map_err(of_source)?;
+            // No two scenes are locked at the same time, so that two threads may share meshes in either direction. The mesh is dropped
+            // once no lock is held, because the drop may call the host's release function.
+            let shared = {
+                let desc = source.desc();
+                find(&desc.meshes, source_mesh, "mesh").map_err(of_source)?;
+                desc.shared_mesh(source_mesh as usize)?
+            };
+            let number = scene.edit(|desc| desc.add_shared_mesh(name, &shared))?;
             out_mesh.write(number as u32);
             Ok(())
         })

@@ -36,14 +36,17 @@ impl SceneIndex {
 
     /// Returns the bounding box of a mesh in its own frame. The box is computed once for each mesh.
     pub(super) fn extent(&mut self, number: usize, mesh: &Arc<MeshDesc>) -> Bounds {
-        match self.extents.get(&number) {
-            Some((known, extent)) if std::ptr::eq(known.as_ptr(), Arc::as_ptr(mesh)) => *extent,
-            _ => {
-                let extent = mesh.bounds();
-                self.measured(number, mesh, extent);
-                extent
-            }
-        }
+        self.known_extent(number, mesh).unwrap_or_else(|| {
+            let extent = mesh.bounds();
+            self.measured(number, mesh, extent);
+            extent
+        })
+    }
+
+    /// The bounding box of a mesh, if it was recorded.
+    pub(super) fn known_extent(&self, number: usize, mesh: &Arc<MeshDesc>) -> Option<Bounds> {
+        let (known, extent) = self.extents.get(&number)?;
+        std::ptr::eq(known.as_ptr(), Arc::as_ptr(mesh)).then_some(*extent)
     }
 
     /// Records the surfaces that were added since the last call.

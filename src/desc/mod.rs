@@ -97,6 +97,7 @@ mod scene_file;
 #[cfg(feature = "schema")]
 mod schema;
 mod shape;
+mod shared_mesh;
 mod sky_keys;
 mod spectrum;
 mod spectrum_edit;
@@ -155,6 +156,7 @@ pub use render::{CropDesc, FilterDesc, MAX_PIXELS, MAX_SHADOW_RAYS, RenderDesc, 
 pub use scene::{Dialect, SceneDesc};
 #[cfg(feature = "schema")]
 pub use schema::schema;
+pub use shared_mesh::SharedMesh;
 pub use spectrum::{LightSpectrum, MOST_SPECTRUM_SAMPLES, SpectrumDesc, SpectrumKey, StandardIlluminant};
 pub use spectrum_edit::SpectrumTarget;
 pub use sun::sun_direction;

@@ -167,6 +167,13 @@ void shared_meshes() {
         CHECK(hit.surface == 1 && std::fabs(hit.t - 1) < 1e-6F);
         CHECK(scene.occluded(etd::ray({0.2F, 0.2F, 1}, {0, 0, -1})));
         CHECK(!scene.occluded(etd::ray({0.2F, 0.2F, 1}, {0, 0, 1})));
+        // A scene that has the mesh too keeps its arrays.
+        etd::Scene other = ball(device);
+        CHECK(other.add_mesh_from(scene, mesh, "part") == 0);
+        CHECK(status_of([&] { other.add_mesh_from(scene, 7); }) == ETD_INVALID_ARGUMENT);
+        scene = std::move(other);
+        CHECK(!watch.expired());
+        CHECK(scene.find_mesh("part") == 0);
     }
     CHECK(watch.expired());
 }
@@ -617,6 +624,7 @@ void all() {
     CHECK(film->resize(5, 2) && film->map()->data().size() == 40);
     CHECK(film->resize(0, 2).error().status() == ETD_INVALID_ARGUMENT);
     CHECK(film->resize(4, 4));
+    CHECK(scene.add_mesh_from(scene, 0).error().status() == ETD_INVALID_ARGUMENT);
     etd::Result<etd::Atlas> atlas = etd::Atlas::create(scene);
     CHECK(atlas && atlas->info()->width == 512);
     const etd::Result<etd::Atlas> stopped =

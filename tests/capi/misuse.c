@@ -427,6 +427,14 @@ static etd_status n_scene_add_mesh_file(void) {
     snprintf(name, sizeof name, "file %u", ++count);
     return CALL(etd_scene_add_mesh_file(SCENE(0), AT(1, name), AT(2, "misuse-mesh.obj"), number));
 }
+/* From the scene itself, in whose stead another handle may stand. */
+static etd_status n_scene_add_mesh_from(void) {
+    uint32_t *number = AT(3, output(sizeof *number));
+    static unsigned count;
+    char name[32];
+    snprintf(name, sizeof name, "from %u", ++count);
+    return CALL(etd_scene_add_mesh_from(SCENE(0), AT(2, name), SCENE(1), mesh_number, number));
+}
 static etd_status n_scene_add_file_surfaces(void) {
     static const double identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
     uint32_t *first = AT(3, output(sizeof *first));
@@ -1016,6 +1024,7 @@ static const struct {
     {"etd_scene_find_surface", n_scene_find_surface, 3, 7, 1},
     {"etd_scene_add_mesh", n_scene_add_mesh, 3, 7, 1},
     {"etd_scene_add_mesh_file", n_scene_add_mesh_file, 4, 13, 1},
+    {"etd_scene_add_mesh_from", n_scene_add_mesh_from, 4, 11, 3},
     {"etd_scene_add_file_surfaces", n_scene_add_file_surfaces, 5, 27, 1},
     {"etd_scene_set_mesh", n_scene_set_mesh, 2, 3, 1},
     {"etd_scene_remove_mesh", n_scene_remove_mesh, 1, 1, 1},
@@ -1117,7 +1126,8 @@ static void pass_wrong_handles(void) {
         others[5] = &nothing;
         others[6] = nothing.bytes + 1; /* not aligned either */
         for (wrong_at = 0; wrong_at < 2; ++wrong_at) {
-            const char *name = wrong_at == 0 ? table[entry].name : "etd_film_";
+            const int from_scene = strcmp(table[entry].name, "etd_scene_add_mesh_from") == 0;
+            const char *name = wrong_at == 0 || from_scene ? table[entry].name : "etd_film_";
             if (!(table[entry].handles >> wrong_at & 1u)) {
                 continue;
             }

@@ -41,7 +41,7 @@ void misuse_queries(void);
 /* The caller's floating-point state, in misuse_float.c. */
 void misuse_float(void);
 
-/* Films that get another size, in misuse_hosts.c. */
+/* Meshes of two scenes and films that get another size, in misuse_hosts.c. */
 void misuse_hosts(void);
 
 /* What goes wrong over time: states, orders, threads, callbacks. `quick`: with few repetitions. */

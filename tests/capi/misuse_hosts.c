@@ -1,9 +1,10 @@
-/* What programs do that show a scene in a window: films that get another size. */
+/* What programs do that show variants of a thing in windows: meshes that two scenes have, films that get another size. */
 #define _POSIX_C_SOURCE 200809L
 #include "misuse.h"
 
 #include <stdint.h>
 
+enum { VERTICES = 3 };
 #define PIXELS(width, height) (4 * (size_t)(width) * (height))
 
 static uint64_t memory_of(etd_device *of) {
@@ -11,6 +12,194 @@ static uint64_t memory_of(etd_device *of) {
     CHECK_OK(etd_device_memory(of, &used, NULL));
     return used;
 }
+
+static uint64_t meshes_of(etd_scene *of) {
+    etd_scene_info info = ETD_SCENE_INFO_INIT;
+    CHECK_OK(etd_scene_commit(of, NULL, NULL));
+    CHECK_OK(etd_scene_get_info(of, &info));
+    return info.meshes;
+}
+
+/* ------------------------------------------------------------------------------------------------------------------ */
+/* Meshes of two scenes */
+
+static const float sail[16] = {-1, 2, 0, 0, 1, 2, 0, 0, 0, 3, 0, 0};
+static const uint32_t sail_indices[3] = {0, 1, 2};
+
+static void count_release(void *user_data) { ++*(int *)user_data; }
+
+static etd_mesh shared_sail(int *releases) {
+    etd_mesh mesh = ETD_MESH_INIT;
+    mesh.positions = sail;
+    mesh.position_stride = 16;
+    mesh.position_bytes = sizeof sail;
+    mesh.vertex_count = VERTICES;
+    mesh.indices = sail_indices;
+    mesh.triangle_count = 1;
+    mesh.sharing = ETD_SHARE;
+    mesh.release = count_release;
+    mesh.user_data = releases;
+    return mesh;
+}
+
+static void use_mesh(etd_scene *in, uint32_t mesh) {
+    const etd_surface surface = matt();
+    uint32_t number;
+    CHECK_OK(etd_scene_add_mesh_surface(in, mesh, 0, &surface, &number));
+}
+
+static int hits(etd_scene *in) {
+    const etd_ray ray = {{0, 2.5f, 2}, 0, {0, 0, -1}, 100};
+    etd_hit hit;
+    CHECK_OK(etd_scene_commit(in, NULL, NULL));
+    CHECK_OK(etd_scene_intersect(in, &ray, 1, &hit));
+    return hit.surface != ETD_NONE;
+}
+
+/* The host's arrays belong to both scenes, of two devices, and go with the last of them. */
+static void arrays_are_shared(void) {
+    etd_device *first_device = new_device(1), *second_device = new_device(1);
+    etd_scene *first = new_scene(first_device), *second = new_scene(second_device), *third = new_scene(first_device);
+    int releases = 0;
+    const etd_mesh copied = small_mesh();
+    const etd_mesh arrays = shared_sail(&releases);
+    etd_mesh_info info = ETD_MESH_INFO_INIT;
+    uint32_t mesh = 9, other = 9, again = 9, found = 9;
+    double positions[3 * VERTICES];
+    CHECK_OK(etd_scene_add_mesh(first, &arrays, &mesh));
+    add_grid(second, 2, &other);
+    CHECK_OK(etd_scene_add_mesh_from(second, "sail", first, mesh, &other));
+    CHECK(other == 1);
+    CHECK_OK(etd_scene_find_mesh(second, "sail", &found));
+    CHECK(found == other);
+    CHECK_STATUS(etd_scene_find_mesh(first, "sail", &found), ETD_INVALID_ARGUMENT);
+    CHECK_OK(etd_scene_get_mesh(second, other, &info));
+    CHECK(info.vertex_count == VERTICES && info.triangle_count == 1);
+    CHECK_OK(etd_scene_copy_mesh(second, other, VERTICES, 1, positions, NULL, NULL, NULL));
+    CHECK(positions[0] == -1 && positions[7] == 3);
+    /* The same mesh twice in one scene, and from a scene that did not have it first. */
+    CHECK_OK(etd_scene_add_mesh_from(second, NULL, second, other, &again));
+    CHECK(again == 2);
+    CHECK_OK(etd_scene_add_mesh_from(third, NULL, second, again, &again));
+
+    /* What is refused changes nothing. */
+    again = 77;
+    CHECK_STATUS(etd_scene_add_mesh_from(second, "sail", first, mesh, &again), ETD_INVALID_SCENE);
+    CHECK(strstr(etd_last_error_message(), "given twice") != NULL);
+    CHECK_STATUS(etd_scene_add_mesh_from(second, NULL, first, 1, &again), ETD_INVALID_ARGUMENT);
+    CHECK(strstr(etd_last_error_message(), "source: there is no mesh 1") != NULL);
+    CHECK_STATUS(etd_scene_add_mesh_from(second, NULL, first, ETD_NONE, &again), ETD_INVALID_ARGUMENT);
+    CHECK(again == 77 && meshes_of(second) == 3);
+
+    /* Each scene has its own say over what it does with the mesh. */
+    use_mesh(first, mesh);
+    use_mesh(second, other);
+    CHECK(hits(first) && hits(second) && releases == 0);
+    CHECK_OK(etd_scene_set_mesh(first, mesh, &copied));
+    CHECK(!hits(first) && hits(second));
+    CHECK_STATUS(etd_scene_remove_mesh(second, other), ETD_INVALID_SCENE); /* in use */
+    CHECK_OK(etd_scene_remove_mesh(second, 2));
+    CHECK_STATUS(etd_scene_add_mesh_from(first, NULL, second, 2, &again), ETD_INVALID_SCENE);
+    CHECK(strstr(etd_last_error_message(), "was removed") != NULL);
+    CHECK(hits(second) && releases == 0);
+    etd_scene_release(first);
+    etd_device_release(first_device);
+    CHECK(hits(second) && releases == 0);
+    etd_scene_release(second);
+    etd_device_release(second_device);
+    CHECK(releases == 0);
+    etd_scene_release(third);
+    CHECK(releases == 1);
+}
+
+static void picture(etd_device *on, etd_scene *of, float pixels[PIXELS(8, 8)]) {
+    const etd_render_options options = short_render(4);
+    etd_film *to = new_film(on, 8, 8, 0);
+    CHECK_OK(etd_render(of, to, &options));
+    CHECK_OK(etd_film_copy(to, ETD_LAYER_COLOR, NULL, pixels, PIXELS(8, 8) * sizeof *pixels, 0));
+    etd_film_release(to);
+}
+
+/* Steps come along, and are then those of each scene. */
+static void steps_are_shared(void) {
+    static const double times[2] = {0, 1};
+    double positions[2 * 3 * VERTICES];
+    static float wanted[PIXELS(8, 8)], got[PIXELS(8, 8)];
+    etd_device *on = new_device(1);
+    etd_scene *first = new_scene(on), *second = new_scene(on);
+    etd_shutter shutter = ETD_SHUTTER_INIT;
+    etd_mesh mesh = small_mesh();
+    uint32_t number = 0, other = 0;
+    int i;
+    mesh.positions = sail;
+    mesh.position_stride = 16;
+    for (i = 0; i < 2 * VERTICES; ++i) {
+        const float *from = sail + 4 * (i % VERTICES);
+        positions[3 * i] = from[0];
+        positions[3 * i + 1] = from[1] - (i < VERTICES ? 0 : 1.5);
+        positions[3 * i + 2] = 2;
+    }
+    shutter.close = 1;
+    CHECK_OK(etd_scene_set_shutter(first, &shutter));
+    CHECK_OK(etd_scene_set_shutter(second, &shutter));
+    CHECK_OK(etd_scene_add_mesh(first, &mesh, &number));
+    CHECK_OK(etd_scene_set_mesh_steps(first, number, times, 2, positions, NULL));
+    CHECK_OK(etd_scene_add_mesh_from(second, NULL, first, number, &other));
+    use_mesh(first, number);
+    use_mesh(second, other);
+    picture(on, first, wanted);
+    picture(on, second, got);
+    CHECK(memcmp(wanted, got, sizeof got) == 0);
+    CHECK_OK(etd_scene_set_mesh_steps(first, number, NULL, 0, NULL, NULL));
+    picture(on, first, got);
+    CHECK(memcmp(wanted, got, sizeof got) != 0);
+    picture(on, second, got);
+    CHECK(memcmp(wanted, got, sizeof got) == 0);
+    etd_scene_release(first);
+    etd_scene_release(second);
+    etd_device_release(on);
+}
+
+struct exchange {
+    etd_scene *to, *from;
+};
+
+static void *take_meshes(void *data) {
+    const struct exchange *it = data;
+    int i;
+    for (i = 0; i < 300; ++i) {
+        uint32_t number;
+        CHECK_OK(etd_scene_add_mesh_from(it->to, NULL, it->from, 0, &number));
+        CHECK_OK(etd_scene_remove_mesh(it->to, number));
+    }
+    return NULL;
+}
+
+/* Two threads that give meshes to each other's scenes do not wait for each other. */
+static void meshes_are_exchanged(void) {
+    etd_device *on = new_device(1);
+    etd_scene *first = new_scene(on), *second = new_scene(on);
+    struct exchange exchanges[2];
+    pthread_t threads[2];
+    uint32_t number;
+    int i;
+    add_grid(first, 2, &number);
+    add_grid(second, 2, &number);
+    exchanges[0].to = exchanges[1].from = first;
+    exchanges[0].from = exchanges[1].to = second;
+    for (i = 0; i < 2; ++i) {
+        CHECK(pthread_create(&threads[i], NULL, take_meshes, &exchanges[i]) == 0);
+    }
+    for (i = 0; i < 2; ++i) {
+        CHECK(pthread_join(threads[i], NULL) == 0);
+    }
+    etd_scene_release(first);
+    etd_scene_release(second);
+    etd_device_release(on);
+}
+
+/* ------------------------------------------------------------------------------------------------------------------ */
+/* Films of another size */
 
 static void has_size(etd_film *it, uint32_t width, uint32_t height) {
     uint32_t got[2] = {0, 0};
@@ -225,6 +414,9 @@ static void films_are_in_use(void) {
 }
 
 void misuse_hosts(void) {
+    arrays_are_shared();
+    steps_are_shared();
+    meshes_are_exchanged();
     films_get_another_size();
     films_have_room();
     films_are_in_use();

@@ -12,8 +12,8 @@ use std::time::{Duration, Instant};
 use etendue::Result;
 use etendue::desc::{
     self, BsdfDesc, CacheDesc, CropDesc, FilterDesc, HostMesh, KernelDesc, LightDistribution, MAX_NEIGHBOURS,
-    MAX_PHOTONS, MeshDesc, PhotonDesc, PointLightDesc, RenderDesc, SceneDesc, SceneIndex, ShapeDesc, SpectrumTarget,
-    SpotDesc, SurfaceLook,
+    MAX_PHOTONS, MeshDesc, MeshStep, PhotonDesc, PointLightDesc, RenderDesc, SceneDesc, SceneIndex, ShapeDesc,
+    SpectrumTarget, SpotDesc, SurfaceLook,
 };
 use etendue::math::{Bounds, DAffine3, DVec3};
 use etendue::scene::{BuildOptions, Scene};
@@ -414,6 +414,55 @@ fn mesh_files_are_read_with_their_warnings() {
     let error = desc.add_mesh_file("", &odd).unwrap_err();
     assert_eq!((error.location().json_path.as_str(), error.location().line), ("meshes[2].file", 2));
     assert_eq!((error.location().file.as_deref(), desc.meshes.len(), desc.warnings.len()), (Some(odd.as_path()), 2, 1));
+}
+
+#[test]
+fn meshes_are_shared_by_descriptions() {
+    let mut first = SceneDesc::default();
+    first.add_mesh(MeshDesc { name: "unused".into(), ..corner() }).unwrap();
+    let mesh = first.add_mesh(MeshDesc { name: "sail".into(), ..corner() }).unwrap();
+    let step = |time, shift| MeshStep {
+        time,
+        positions: corner().positions.iter().map(|p| *p + DVec3::Z * shift).collect(),
+        ..MeshStep::default()
+    };
+    first.set_mesh_steps(mesh, vec![step(0.0, 0.0), step(1.0, 2.0)]).unwrap();
+    let mut second = SceneDesc::default();
+    let shared = first.shared_mesh(mesh).unwrap();
+    assert_eq!(second.add_shared_mesh("sail", &shared).unwrap(), 0);
+    assert!(Arc::ptr_eq(&first.meshes[mesh], &second.meshes[0]) && Arc::ptr_eq(shared.mesh(), &second.meshes[0]));
+    assert!(Arc::ptr_eq(&first.motion.meshes[&mesh], &second.motion.meshes[&0]));
+    assert_eq!((second.find_mesh("sail"), second.find_mesh("unused")), (Some(0), None));
+    // It is what a copy would be.
+    let mut copy = SceneDesc::default();
+    copy.add_mesh(MeshDesc { name: "sail".into(), ..corner() }).unwrap();
+    copy.set_mesh_steps(0, vec![step(0.0, 0.0), step(1.0, 2.0)]).unwrap();
+    for desc in [&mut second, &mut copy] {
+        desc.add_surface(ShapeDesc::Mesh { mesh: 0, smooth: false }, DAffine3::IDENTITY, lamp_look()).unwrap();
+    }
+    assert_eq!(second.fingerprint().unwrap(), copy.fingerprint().unwrap());
+    // Names are those of each description, and so are edits.
+    let error = second.add_shared_mesh("sail", &shared).unwrap_err();
+    assert_eq!((error.location().json_path.as_str(), second.meshes.len()), ("meshes[1].name", 1));
+    assert_eq!(second.add_shared_mesh("", &shared).unwrap(), 1);
+    let before = second.fingerprint().unwrap();
+    first.set_mesh(mesh, MeshDesc { positions: vec![DVec3::ZERO; 3], ..corner() }).unwrap();
+    assert!(!Arc::ptr_eq(&first.meshes[mesh], &second.meshes[0]) && !first.motion.meshes.contains_key(&mesh));
+    assert_eq!(second.fingerprint().unwrap(), before);
+    first.remove_mesh(mesh).unwrap();
+    for (number, reason) in [(mesh, "was removed"), (7, "there is no mesh 7")] {
+        let error = first.shared_mesh(number).unwrap_err();
+        assert!(error.message().contains(reason), "{error}");
+        assert_eq!(error.location().json_path, format!("meshes[{number}]"));
+    }
+    // The extent comes along: a transform that takes the mesh beyond single precision is refused.
+    let far = SurfaceLook { transform: DAffine3::from_scale(DVec3::splat(1e39)), ..lamp_look() };
+    let shape = ShapeDesc::Mesh { mesh: 1, smooth: false };
+    assert!(second.add_surface(shape, DAffine3::IDENTITY, far).is_err());
+}
+
+fn lamp_look() -> SurfaceLook {
+    SurfaceLook { emission: Some(Rgb::ONE), ..SurfaceLook::default() }
 }
 
 /// Named materials and meshes, lamps and uses of one mesh, each moved once.
