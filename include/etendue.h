@@ -4726,12 +4726,28 @@ etd_status etd_scene_add_mesh(struct etd_scene *scene,
 
 /**
  * Adds a mesh from a Wavefront OBJ, PLY or STL file, told apart by the name's extension or else by the content. `name`: name for `etd_scene_find_mesh`, unique among meshes; NULL: none. `path`:
- * UTF-8, relative to the current folder. `*out_mesh` receives the mesh's number. Thread-safe.
+ * UTF-8, relative to the current folder. `*out_mesh` receives the mesh's number. Other calls on the scene do not wait while the file is
+ * read. `etd_scene_add_mesh_file_with_progress` says how far it is. Thread-safe.
  */
 etd_status etd_scene_add_mesh_file(struct etd_scene *scene,
                                    const char *name,
                                    const char *path,
                                    uint32_t *out_mesh);
+
+/**
+ * Adds a mesh from a file as `etd_scene_add_mesh_file` does, and says meanwhile how far the reading is.
+ *
+ * `progress` is called on the calling thread, with the fraction of the file's bytes that are read and with 1 before the mesh is added,
+ * and cancels the reading if it returns anything but 0; NULL: none. It may call the library, on this scene too. `user_data` is passed to
+ * it. A file that is as good as read may go on for a while after a cancel: of an OBJ file, what is put together after its last byte.
+ * Errors: those of `etd_scene_add_mesh_file`, and `ETD_CANCELLED`, after which the scene is as it was. Thread-safe.
+ */
+etd_status etd_scene_add_mesh_file_with_progress(struct etd_scene *scene,
+                                                 const char *name,
+                                                 const char *path,
+                                                 etd_progress_fn progress,
+                                                 void *user_data,
+                                                 uint32_t *out_mesh);
 
 /**
  * Adds a mesh that another scene has, without a copy: both scenes read the same arrays, and an array of the host's memory (`ETD_SHARE`)

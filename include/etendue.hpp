@@ -1216,6 +1216,18 @@ public:
         const etd_status status = etd_scene_add_mesh_file(get(), name, path.c_str(), &number);
         return detail::give(status, std::move(number));
     }
+    /**
+     * The same with `progress`, which says how far the reading is and may cancel it: an error of `ETD_CANCELLED`, after which the scene is
+     * as it was.
+     */
+    Outcome<std::uint32_t> add_mesh_file(const std::string &path, const char *name, Progress progress) {
+        std::uint32_t number = ETD_NONE;
+        detail::ProgressHooks hooks(std::move(progress), nullptr, nullptr, keep());
+        const etd_status status = etd_scene_add_mesh_file_with_progress(get(), name, path.c_str(),
+                                                                        detail::ProgressHooks::tell, &hooks, &number);
+        hooks.rethrow();
+        return detail::give(status, std::move(number));
+    }
     /** Adds a mesh that another scene has, without a copy of its arrays; its number here. `name`: NULL for none. */
     Outcome<std::uint32_t> add_mesh_from(const Scene &source, std::uint32_t mesh, const char *name = nullptr) {
         std::uint32_t number = ETD_NONE;

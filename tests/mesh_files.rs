@@ -888,6 +888,11 @@ const UNSEEN: &[&str] = &["OBJ/regr_3429812.obj"];
 /// Reads the scene that a file is, or that a JSON text in its folder is, and stops once the fraction `stop` is done. Returns the fractions
 /// that were told.
 fn watched(path: &Path, stop: f64) -> (etendue::Result<SceneDesc>, Vec<f64>) {
+    watched_by(stop, |options| desc::load_with(path, None, options))
+}
+
+/// Reads, and stops once the fraction `stop` is done. Returns the fractions that were told.
+fn watched_by<R>(stop: f64, read: impl FnOnce(&LoadOptions) -> R) -> (R, Vec<f64>) {
     let told = Arc::new(Mutex::new(Vec::new()));
     let cancel = Cancel::new();
     let progress = {
@@ -900,9 +905,9 @@ fn watched(path: &Path, stop: f64) -> (etendue::Result<SceneDesc>, Vec<f64>) {
         }
     };
     let options = LoadOptions { cancel, progress: Some(Arc::new(progress)), ..LoadOptions::default() };
-    let scene = desc::load_with(path, None, &options);
+    let outcome = read(&options);
     let told = told.lock().expect("no panic").clone();
-    (scene, told)
+    (outcome, told)
 }
 
 #[test]
@@ -966,5 +971,23 @@ fn reading_of_a_mesh_is_watched_and_stopped() {
             assert_eq!(error.kind(), ErrorKind::Cancelled, "{name}: {error}");
             assert!(told.last().is_some_and(|last| *last < stop + 0.1), "{name}: {told:?}");
         }
+    }
+    for name in ["a.obj", "a.ply", "a.stl", "b.stl"] {
+        let mut scene = SceneDesc::default();
+        // At once, in the middle, and when all is read but not yet added.
+        for stop in [0.0, 0.5, 1.0] {
+            let (added, told) = watched_by(stop, |options| scene.add_mesh_file_with("mesh", &path(name), options));
+            assert_eq!(added.unwrap_err().kind(), ErrorKind::Cancelled, "{name}");
+            assert!(told.last().is_some_and(|last| *last < stop + 0.1), "{name}: {told:?}");
+            assert!(scene.meshes.is_empty() && scene.files.is_empty() && scene.find_mesh("mesh").is_none(), "{name}");
+        }
+        let (added, told) = watched_by(2.0, |options| scene.add_mesh_file_with("mesh", &path(name), options));
+        assert_eq!((added.unwrap(), scene.meshes[0].triangles.len()), (0, count), "{name}");
+        let steps = [&[0.0][..], &told].concat();
+        let widest = steps.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+        assert!(told.is_sorted() && told.last() == Some(&1.0) && widest < 0.1, "{name}: {told:?}");
+        let choice = LoadOptions { time: Some(0.0), ..LoadOptions::default() };
+        let refused = scene.add_mesh_file_with("", &path(name), &choice).unwrap_err();
+        assert_eq!((refused.kind(), scene.meshes.len()), (ErrorKind::Unsupported, 1), "{name}");
     }
 }

@@ -1,19 +1,20 @@
 //! Meshes in arrays of the host, which are copied or read in place.
 
 use std::any::Any;
-use std::ffi::c_char;
+use std::ffi::{c_char, c_void};
 use std::path::Path;
 use std::sync::Arc;
 
 use super::boundary::{UserData, need, on, optional_text, read_sized, share, text};
 use super::describe::find;
+use super::progress::HostProgress;
 use super::read::enumeration;
 use super::scene::etd_scene;
 use super::sharing::shared;
 use super::status::{Failure, Result, etd_status};
-use super::types::{ETD_COPY, ETD_POSITION_DOUBLE3, ETD_POSITION_FLOAT3, ETD_SHARE, etd_mesh};
+use super::types::{ETD_COPY, ETD_POSITION_DOUBLE3, ETD_POSITION_FLOAT3, ETD_SHARE, etd_mesh, etd_progress_fn};
 use crate::buffer::{Buffer, Element};
-use crate::desc::{HostMesh, MeshDesc};
+use crate::desc::{HostMesh, LoadOptions, MeshDesc};
 use crate::math::DVec3;
 
 /// Number of bytes that Embree loads for each vertex.
@@ -45,7 +46,8 @@ pub unsafe extern "C" fn etd_scene_add_mesh(
 }
 
 /// Adds a mesh from a Wavefront OBJ, PLY or STL file, told apart by the name's extension or else by the content. `name`: name for `etd_scene_find_mesh`, unique among meshes; NULL: none. `path`:
-/// UTF-8, relative to the current folder. `*out_mesh` receives the mesh's number. Thread-safe.
+/// UTF-8, relative to the current folder. `*out_mesh` receives the mesh's number. Other calls on the scene do not wait while the file is
+/// read. `etd_scene_add_mesh_file_with_progress` says how far it is. Thread-safe.
 ///
 /// # Safety
 /// Each pointer must be NULL or point to a value of its type.
@@ -61,11 +63,49 @@ pub unsafe extern "C" fn etd_scene_add_mesh_file(
         on(scene, |scene| {
             need(out_mesh, "out_mesh")?;
             let (name, path) = (optional_text(name, "name")?, text(path, "path")?);
-            let number = scene.edit(|desc| desc.add_mesh_file(name, Path::new(path)))?;
-            out_mesh.write(number as u32);
+            out_mesh.write(add_file(scene, name, path, &LoadOptions::default())?);
             Ok(())
         })
     }
+}
+
+/// Adds a mesh from a file as `etd_scene_add_mesh_file` does, and says meanwhile how far the reading is.
+///
+/// `progress` is called on the calling thread, with the fraction of the file's bytes that are read and with 1 before the mesh is added,
+/// and cancels the reading if it returns anything but 0; NULL: none. It may call the library, on this scene too. `user_data` is passed to
+/// it. A file that is as good as read may go on for a while after a cancel: of an OBJ file, what is put together after its last byte.
+/// Errors: those of `etd_scene_add_mesh_file`, and `ETD_CANCELLED`, after which the scene is as it was. Thread-safe.
+///
+/// # Safety
+/// Each pointer must be NULL or point to a value of its type, and `progress` must be NULL or a function of its type.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_add_mesh_file_with_progress(
+    scene: *mut etd_scene,
+    name: *const c_char,
+    path: *const c_char,
+    progress: etd_progress_fn,
+    user_data: *mut c_void,
+    out_mesh: *mut u32,
+) -> etd_status {
+    // SAFETY: the caller keeps this function's contract.
+    unsafe {
+        on(scene, |scene| {
+            need(out_mesh, "out_mesh")?;
+            let (name, path) = (optional_text(name, "name")?, text(path, "path")?);
+            let progress = HostProgress::new(progress, UserData(user_data));
+            let options =
+                LoadOptions { cancel: progress.cancel().clone(), progress: progress.build(), ..LoadOptions::default() };
+            out_mesh.write(add_file(scene, name, path, &options)?);
+            Ok(())
+        })
+    }
+}
+
+/// Reads a mesh file while the scene is not locked, and adds its mesh.
+fn add_file(scene: &etd_scene, name: &str, path: &str, options: &LoadOptions) -> Result<u32> {
+    let file = scene.desc().mesh_file(name, Path::new(path))?;
+    let mesh = file.read(options)?;
+    Ok(scene.edit(|desc| desc.add_read_mesh(mesh))? as u32)
 }
 
 /// Adds a mesh that another scene has, without a copy: both scenes read the same arrays, and an array of the host's memory (`ETD_SHARE`)

@@ -173,28 +173,6 @@ impl SceneDesc {
         Ok(number)
     }
 
-    /// Adds the mesh in a Wavefront OBJ, PLY or STL file and returns its number. The file is read at each call; a relative path is
-    /// resolved from the process's working directory. A mesh with an empty name has no name. The parts of the file that
-    /// are left out are listed in `warnings`.
-    ///
-    /// # Errors
-    /// [`crate::ErrorKind::Io`] if the file cannot be read; [`crate::ErrorKind::InvalidScene`] for invalid content,
-    /// with the file and the line, and at `meshes[..].name` for a name that is taken.
-    pub fn add_mesh_file(&mut self, name: &str, file: &Path) -> Result<usize> {
-        let path = format!("meshes[{}]", self.meshes.len());
-        if !name.is_empty() {
-            self.check_mesh_name(&path, name)?;
-        }
-        let at = join(&path, "file");
-        mesh_files::check_name(&at, file)?;
-        // The loader adds warnings only once no error can occur any more.
-        let mesh = mesh_files::load(file, &at, false, &mut self.warnings, &WorkProgress::new(&Cancel::new()))?;
-        self.files.push(file.to_owned());
-        let number = self.put_mesh(mesh);
-        self.index.name_mesh(name.to_owned(), number);
-        Ok(number)
-    }
-
     /// Adds the surfaces of a Wavefront OBJ file whose materials are those of the file: a mesh and a surface for each material that
     /// its faces have (`usemtl`), and these materials from the material libraries that the file names (`mtllib`). The materials are
     /// named after the file and the library's name for them, as in `car.obj:paint`, where no other has this name. Returns the numbers of the surfaces; materials

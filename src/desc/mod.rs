@@ -71,6 +71,7 @@ mod material_check;
 mod material_keys;
 mod material_spectra;
 mod mcrt;
+mod mesh_file;
 mod mesh_files;
 mod microfacets;
 mod motion;
@@ -138,6 +139,7 @@ pub(crate) use json::elided;
 pub use light::{LightDistribution, PointLightDesc, SpotDesc, WebDesc};
 pub(crate) use material::Body;
 pub use material::{BsdfDesc, MaterialDesc, MediumDesc};
+pub use mesh_file::{MeshFile, ReadMesh};
 pub use microfacets::{ConductorDesc, Distribution, METALS, Masking, Metal, MicrofacetsDesc};
 pub use motion::{
     KeyPlace, MAX_MOTION_KEYS, MAX_SHUTTER_CURVE, MeshStep, MotionDesc, MotionKey, SceneMotion, ShutterDesc,

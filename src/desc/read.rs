@@ -56,16 +56,16 @@ impl LoadOptions {
         self.time.is_some() || self.animation.is_some() || self.camera.is_some()
     }
 
-    /// Calls `read` with the work of reading, which is done when it returns a scene.
-    fn watch(&self, read: impl FnOnce(&WorkProgress<'static>) -> Result<SceneDesc>) -> Result<SceneDesc> {
+    /// Calls `read` with the work of reading, which is done when it returns.
+    pub(super) fn watch<R>(&self, read: impl FnOnce(&WorkProgress<'static>) -> Result<R>) -> Result<R> {
         let work = WorkProgress::by_steps(&self.cancel, self.progress.clone());
         work.check()?;
         // One unit is left when the last image of a batch is decoded: the end is reported once.
         work.expect(1.0);
-        let scene = read(&work)?;
+        let outcome = read(&work)?;
         work.finish();
         work.check()?;
-        Ok(scene)
+        Ok(outcome)
     }
 }
 

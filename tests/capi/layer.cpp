@@ -178,6 +178,31 @@ void shared_meshes() {
     CHECK(watch.expired());
 }
 
+void mesh_files() {
+    const etd::Device device = etd::Device::create();
+    etd::Scene scene = ball(device);
+    const std::string path = "layer-mesh.obj";
+    std::FILE *file = std::fopen(path.c_str(), "w");
+    CHECK(file != nullptr);
+    if (file == nullptr) {
+        return;
+    }
+    std::fputs("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", file);
+    std::fclose(file);
+    const auto stops = [](const etd_progress &) { return false; };
+    const auto throws = [](const etd_progress &) -> bool { throw Boom("reading"); };
+    CHECK(status_of([&] { scene.add_mesh_file(path, nullptr, stops); }) == ETD_CANCELLED);
+    CHECK(thrown_by([&] { scene.add_mesh_file(path, nullptr, throws); }) == "reading");
+    double last = 0;
+    const auto listens = [&](const etd_progress &progress) {
+        last = progress.fraction;
+        return true;
+    };
+    CHECK(scene.add_mesh_file(path, "part", listens) == 0 && last == 1);
+    CHECK(scene.add_mesh_file(path) == 1);
+    std::remove(path.c_str());
+}
+
 void exceptions() {
     const etd::Device device = etd::Device::create();
     etd::Scene scene = ball(device);
@@ -576,6 +601,7 @@ void all() {
     errors();
     owners();
     shared_meshes();
+    mesh_files();
     exceptions();
     exceptions_of_devices();
     executors();
@@ -625,6 +651,7 @@ void all() {
     CHECK(film->resize(0, 2).error().status() == ETD_INVALID_ARGUMENT);
     CHECK(film->resize(4, 4));
     CHECK(scene.add_mesh_from(scene, 0).error().status() == ETD_INVALID_ARGUMENT);
+    CHECK(scene.add_mesh_file("no-such-file.obj", nullptr, {}).error().status() == ETD_IO);
     etd::Result<etd::Atlas> atlas = etd::Atlas::create(scene);
     CHECK(atlas && atlas->info()->width == 512);
     const etd::Result<etd::Atlas> stopped =

@@ -427,6 +427,14 @@ static etd_status n_scene_add_mesh_file(void) {
     snprintf(name, sizeof name, "file %u", ++count);
     return CALL(etd_scene_add_mesh_file(SCENE(0), AT(1, name), AT(2, "misuse-mesh.obj"), number));
 }
+static etd_status n_scene_add_mesh_file_with_progress(void) {
+    uint32_t *number = AT(4, output(sizeof *number));
+    static unsigned count;
+    char name[32];
+    snprintf(name, sizeof name, "watched file %u", ++count);
+    return CALL(etd_scene_add_mesh_file_with_progress(SCENE(0), AT(1, name), AT(2, "misuse-mesh.obj"), nulls & 8u ? NULL : go_on,
+                                                      NULL, number));
+}
 /* From the scene itself, in whose stead another handle may stand. */
 static etd_status n_scene_add_mesh_from(void) {
     uint32_t *number = AT(3, output(sizeof *number));
@@ -1024,6 +1032,7 @@ static const struct {
     {"etd_scene_find_surface", n_scene_find_surface, 3, 7, 1},
     {"etd_scene_add_mesh", n_scene_add_mesh, 3, 7, 1},
     {"etd_scene_add_mesh_file", n_scene_add_mesh_file, 4, 13, 1},
+    {"etd_scene_add_mesh_file_with_progress", n_scene_add_mesh_file_with_progress, 5, 21, 1},
     {"etd_scene_add_mesh_from", n_scene_add_mesh_from, 4, 11, 3},
     {"etd_scene_add_file_surfaces", n_scene_add_file_surfaces, 5, 27, 1},
     {"etd_scene_set_mesh", n_scene_set_mesh, 2, 3, 1},
@@ -1225,7 +1234,7 @@ int main(int count, char **arguments) {
         /* Valgrind computes in the default state alone. */
         misuse_float();
     }
-    misuse_hosts();
+    misuse_hosts(quick);
     misuse_life(quick);
     remove("misuse-scene.json");
     remove("misuse-mesh.obj");

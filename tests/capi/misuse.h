@@ -41,8 +41,8 @@ void misuse_queries(void);
 /* The caller's floating-point state, in misuse_float.c. */
 void misuse_float(void);
 
-/* Meshes of two scenes and films that get another size, in misuse_hosts.c. */
-void misuse_hosts(void);
+/* Meshes of two scenes, films that get another size and mesh files with progress, in misuse_hosts.c. `quick`: a small file. */
+void misuse_hosts(int quick);
 
 /* What goes wrong over time: states, orders, threads, callbacks. `quick`: with few repetitions. */
 void misuse_life(int quick);

@@ -1,4 +1,5 @@
-/* What programs do that show variants of a thing in windows: meshes that two scenes have, films that get another size. */
+/* What programs do that show variants of a thing in windows: meshes that two scenes have, films that get another size, mesh files that
+ * are read while the window goes on. */
 #define _POSIX_C_SOURCE 200809L
 #include "misuse.h"
 
@@ -413,11 +414,127 @@ static void films_are_in_use(void) {
     etd_device_release(on);
 }
 
-void misuse_hosts(void) {
+/* ------------------------------------------------------------------------------------------------------------------ */
+/* Mesh files with progress */
+
+struct reading {
+    etd_scene *scene;
+    double last;
+    int calls;
+    /* The call that says to stop; below 0: the one at the end; 0: none. */
+    int stops_at;
+    /* Whether a mesh is added meanwhile, and by which name. */
+    int adds;
+    const char *name;
+};
+
+static int32_t hear_reading(void *user_data, const etd_progress *progress) {
+    struct reading *it = user_data;
+    uint32_t number;
+    it->calls++;
+    CHECK(progress->fraction >= it->last && progress->fraction <= 1);
+    it->last = progress->fraction;
+    /* The scene is nobody's. */
+    CHECK_OK(etd_scene_find_material(it->scene, "white", &number));
+    if (it->adds && it->calls == 1) {
+        etd_mesh mesh = small_mesh();
+        mesh.name = it->name;
+        CHECK_OK(etd_scene_add_mesh(it->scene, &mesh, &number));
+    }
+    return it->stops_at < 0 ? progress->fraction == 1 : it->calls == it->stops_at;
+}
+
+static void write_sheet(const char *path, int side) {
+    FILE *file = fopen(path, "w");
+    int x, y;
+    if (!CHECK(file != NULL)) {
+        exit(2);
+    }
+    for (y = 0; y < side; ++y) {
+        for (x = 0; x < side; ++x) {
+            fprintf(file, "v %d.125 %d.25 0.5\n", x, y);
+        }
+    }
+    fprintf(file, "f 1 2\n"); /* left out with a warning */
+    for (y = 0; y + 1 < side; ++y) {
+        for (x = 1; x < side; ++x) {
+            const int corner = y * side + x;
+            fprintf(file, "f %d %d %d %d\n", corner, corner + 1, corner + side + 1, corner + side);
+        }
+    }
+    CHECK(fclose(file) == 0);
+}
+
+static void warnings_hold(etd_scene *of, const char *text, int wanted) {
+    char warnings[4096] = "";
+    CHECK_OK(etd_scene_copy_text(of, ETD_TEXT_WARNINGS, warnings, sizeof warnings, NULL));
+    CHECK((strstr(warnings, text) != NULL) == wanted);
+}
+
+static void mesh_files_are_watched(int quick) {
+    static const char path[] = "misuse-sheet.obj";
+    static const int stops[] = {1, 2, -1};
+    const int side = quick ? 80 : 160; /* more than the 64 KiB that are read at once */
+    etd_device *on = new_device(1);
+    etd_scene *of = new_scene(on);
+    struct reading reading;
+    etd_mesh_info info = ETD_MESH_INFO_INIT, same = ETD_MESH_INFO_INIT;
+    uint32_t number = 77, plain = 77;
+    size_t i;
+    write_sheet(path, side);
+    memset(&reading, 0, sizeof reading);
+    reading.scene = of;
+    for (i = 0; i < sizeof stops / sizeof stops[0]; ++i) {
+        reading.calls = 0;
+        reading.last = 0;
+        reading.stops_at = stops[i];
+        CHECK_STATUS(etd_scene_add_mesh_file_with_progress(of, "sheet", path, hear_reading, &reading, &number), ETD_CANCELLED);
+        CHECK(reading.calls > 0 && (stops[i] != 1 || reading.calls == 1));
+        CHECK(number == 77 && meshes_of(of) == 0);
+        CHECK_STATUS(etd_scene_find_mesh(of, "sheet", &plain), ETD_INVALID_ARGUMENT);
+        warnings_hold(of, "left out", 0);
+    }
+
+    /* A name that is taken is refused before the file is read; one that is taken meanwhile, at the end. */
+    reading.stops_at = reading.calls = 0;
+    reading.last = 0;
+    reading.adds = 1;
+    reading.name = "taken";
+    CHECK_STATUS(etd_scene_add_mesh_file_with_progress(of, "taken", path, hear_reading, &reading, &number), ETD_INVALID_SCENE);
+    CHECK(strstr(etd_last_error_message(), "given twice") != NULL && number == 77 && reading.last == 1);
+    reading.calls = 0;
+    CHECK_STATUS(etd_scene_add_mesh_file_with_progress(of, "taken", path, hear_reading, &reading, &number), ETD_INVALID_SCENE);
+    CHECK(reading.calls == 0 && meshes_of(of) == 1);
+
+    /* Messages have the number that the mesh gets. */
+    reading.last = 0;
+    reading.name = NULL;
+    CHECK_OK(etd_scene_add_mesh_file_with_progress(of, "sheet", path, hear_reading, &reading, &number));
+    CHECK(number == 2 && reading.calls >= 2 && reading.last == 1);
+    warnings_hold(of, "meshes[2].file: misuse-sheet.obj: 1 faces", 1);
+    CHECK_OK(etd_scene_find_mesh(of, "sheet", &plain));
+    CHECK(plain == number);
+    CHECK_OK(etd_scene_add_mesh_file(of, NULL, path, &plain));
+    CHECK_OK(etd_scene_add_mesh_file_with_progress(of, NULL, path, NULL, NULL, &number));
+    CHECK(plain == 3 && number == 4);
+    CHECK_OK(etd_scene_get_mesh(of, 2, &info));
+    CHECK_OK(etd_scene_get_mesh(of, plain, &same));
+    CHECK(info.vertex_count == (uint64_t)side * (uint64_t)side && info.triangle_count == same.triangle_count);
+
+    CHECK_STATUS(etd_scene_add_mesh_file_with_progress(of, NULL, "no-such-file.obj", hear_reading, &reading, &number), ETD_IO);
+    CHECK_STATUS(etd_scene_add_mesh_file_with_progress(of, NULL, "", hear_reading, &reading, &number), ETD_INVALID_SCENE);
+    CHECK(number == 4 && meshes_of(of) == 5);
+    remove(path);
+    etd_scene_release(of);
+    etd_device_release(on);
+}
+
+void misuse_hosts(int quick) {
     arrays_are_shared();
     steps_are_shared();
     meshes_are_exchanged();
     films_get_another_size();
     films_have_room();
     films_are_in_use();
+    mesh_files_are_watched(quick);
 }

@@ -11,9 +11,9 @@ use std::time::{Duration, Instant};
 
 use etendue::Result;
 use etendue::desc::{
-    self, BsdfDesc, CacheDesc, CropDesc, FilterDesc, HostMesh, KernelDesc, LightDistribution, MAX_NEIGHBOURS,
-    MAX_PHOTONS, MeshDesc, MeshStep, PhotonDesc, PointLightDesc, RenderDesc, SceneDesc, SceneIndex, ShapeDesc,
-    SpectrumTarget, SpotDesc, SurfaceLook,
+    self, BsdfDesc, CacheDesc, CropDesc, FilterDesc, HostMesh, KernelDesc, LightDistribution, LoadOptions,
+    MAX_NEIGHBOURS, MAX_PHOTONS, MeshDesc, MeshStep, PhotonDesc, PointLightDesc, RenderDesc, SceneDesc, SceneIndex,
+    ShapeDesc, SpectrumTarget, SpotDesc, SurfaceLook,
 };
 use etendue::math::{Bounds, DAffine3, DVec3};
 use etendue::scene::{BuildOptions, Scene};
@@ -414,6 +414,22 @@ fn mesh_files_are_read_with_their_warnings() {
     let error = desc.add_mesh_file("", &odd).unwrap_err();
     assert_eq!((error.location().json_path.as_str(), error.location().line), ("meshes[2].file", 2));
     assert_eq!((error.location().file.as_deref(), desc.meshes.len(), desc.warnings.len()), (Some(odd.as_path()), 2, 1));
+}
+
+#[test]
+fn a_file_that_was_read_is_added_where_there_is_room_for_its_name() {
+    let mut desc = SceneDesc::default();
+    let dir = tempfile::tempdir().unwrap();
+    let odd = dir.path().join("odd.obj");
+    std::fs::write(&odd, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\nf 1 2 3\n").unwrap();
+    let read = desc.mesh_file("odd", &odd).unwrap().read(&LoadOptions::default()).unwrap();
+    desc.add_mesh(MeshDesc { name: "first".into(), ..corner() }).unwrap();
+    assert_eq!(desc.add_read_mesh(read.clone()).unwrap(), 1);
+    assert_eq!((desc.find_mesh("odd"), desc.meshes[1].path.as_str()), (Some(1), "meshes[1].file"));
+    assert!(desc.warnings.len() == 1 && desc.warnings[0].starts_with("meshes[1].file: "), "{:?}", desc.warnings);
+    let error = desc.add_read_mesh(read).unwrap_err();
+    assert_eq!(error.location().json_path, "meshes[2].name");
+    assert_eq!((desc.meshes.len(), desc.files.len(), desc.warnings.len()), (2, 1, 1));
 }
 
 #[test]

@@ -103,7 +103,7 @@ pub(super) fn load(
             let message = "degenerate triangles are kept of PLY files alone (`keepDegenerate`), expected such a file";
             Err(Error::invalid(json_path, message).in_file(Some(path), 0))
         }
-        MeshFormat::Obj => obj::read(source, None, warnings).map(|(mesh, _)| mesh),
+        MeshFormat::Obj => obj::read(source, None, warnings, work).map(|(mesh, _)| mesh),
         MeshFormat::Stl => stl::read(source, warnings),
     }
 }

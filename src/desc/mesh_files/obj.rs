@@ -8,6 +8,7 @@ use std::io::{self, BufRead, Read};
 
 use super::obj_parts::MaterialUses;
 use super::{CORNER_LIMIT, LINE_LIMIT, Place, Source, finite, is_number, shortened, vertex_color};
+use crate::control::WorkProgress;
 use crate::desc::MeshDesc;
 use crate::math::DVec3;
 use crate::room::{add_room, check_room};
@@ -21,6 +22,7 @@ pub(super) fn read(
     source: Source<'_, '_>,
     uses: Option<MaterialUses>,
     warnings: &mut Vec<String>,
+    work: &WorkProgress<'_>,
 ) -> Result<(MeshDesc, Option<MaterialUses>)> {
     let place = source.place();
     let mut lines = Lines::new(source.reader);
@@ -53,7 +55,7 @@ pub(super) fn read(
         return Err(place.fail(0, "the file holds no faces; is it a Wavefront OBJ file?".to_owned()));
     }
     let (models, _) = loaded.map_err(|error| place.fail(lines.line, format!("not a Wavefront OBJ file: {error}")))?;
-    let mut mesh = merge(models, place)?;
+    let mut mesh = merge(models, place, work)?;
     if lines.small_faces > 0 {
         place.warn(warnings, 0, &format!("{} faces with fewer than 3 corners left out", lines.small_faces));
     }
@@ -79,8 +81,11 @@ pub(super) fn read(
     Ok((mesh, lines.uses))
 }
 
+/// Number of items of the mesh between two checks whether the reading was stopped.
+const BLOCK: usize = 1 << 14;
+
 /// Merges all objects and groups into one mesh.
-fn merge(models: Vec<tobj::Model>, place: Place<'_>) -> Result<MeshDesc> {
+fn merge(models: Vec<tobj::Model>, place: Place<'_>, work: &WorkProgress<'_>) -> Result<MeshDesc> {
     let beyond = |what: &str, value: &[f64]| place.fail(0, format!("the {what} {value:?} is beyond single precision"));
     let lacking = |error| place.lacking(error);
     let mut mesh = place.mesh();
@@ -94,21 +99,36 @@ fn merge(models: Vec<tobj::Model>, place: Place<'_>) -> Result<MeshDesc> {
         add_room(&mut mesh.uvs, uvs.len()).map_err(lacking)?;
         add_room(&mut mesh.colors, colors.len()).map_err(lacking)?;
         add_room(&mut mesh.triangles, triangles.len()).map_err(lacking)?;
-        for p in positions {
-            finite(*p).ok_or_else(|| beyond("position", p))?;
-            mesh.positions.push(DVec3::from_array(*p));
+        for block in positions.chunks(BLOCK) {
+            work.check()?;
+            for p in block {
+                finite(*p).ok_or_else(|| beyond("position", p))?;
+                mesh.positions.push(DVec3::from_array(*p));
+            }
         }
-        for n in normals {
-            mesh.normals.push(finite(*n).ok_or_else(|| beyond("normal", n))?);
+        for block in normals.chunks(BLOCK) {
+            work.check()?;
+            for n in block {
+                mesh.normals.push(finite(*n).ok_or_else(|| beyond("normal", n))?);
+            }
         }
-        for uv in uvs {
-            mesh.uvs.push(finite(*uv).ok_or_else(|| beyond("texture coordinate", uv))?);
+        for block in uvs.chunks(BLOCK) {
+            work.check()?;
+            for uv in block {
+                mesh.uvs.push(finite(*uv).ok_or_else(|| beyond("texture coordinate", uv))?);
+            }
         }
-        for color in colors {
-            let [r, g, b] = finite(*color).ok_or_else(|| beyond("colour", color))?;
-            mesh.colors.push(vertex_color([r, g, b, 1.0], true));
+        for block in colors.chunks(BLOCK) {
+            work.check()?;
+            for color in block {
+                let [r, g, b] = finite(*color).ok_or_else(|| beyond("colour", color))?;
+                mesh.colors.push(vertex_color([r, g, b, 1.0], true));
+            }
         }
-        mesh.triangles.extend(triangles.iter().map(|t| t.map(|index| index + first)));
+        for block in triangles.chunks(BLOCK) {
+            work.check()?;
+            mesh.triangles.extend(block.iter().map(|t| t.map(|index| index + first)));
+        }
     }
     Ok(mesh)
 }
@@ -441,5 +461,27 @@ impl<R: BufRead> BufRead for Lines<R> {
 
     fn consume(&mut self, count: usize) {
         self.taken = (self.taken + count).min(self.ready.len());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::{Cancel, ErrorKind};
+
+    #[test]
+    fn putting_the_mesh_together_is_stopped() {
+        let place = Place { path: Path::new("a.obj"), json_path: "" };
+        let model = || {
+            let mesh = tobj::Mesh { positions: vec![0.0; 9], indices: vec![0, 1, 2], ..tobj::Mesh::default() };
+            vec![tobj::Model::new(mesh, String::new())]
+        };
+        let cancel = Cancel::new();
+        let work = WorkProgress::new(&cancel);
+        assert_eq!(merge(model(), place, &work).unwrap().triangles, [[0, 1, 2]]);
+        cancel.cancel();
+        assert_eq!(merge(model(), place, &work).unwrap_err().kind(), ErrorKind::Cancelled);
     }
 }

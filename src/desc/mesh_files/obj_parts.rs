@@ -153,7 +153,7 @@ pub(super) fn load(source: Source<'_, '_>, warnings: &mut Vec<String>, work: &Wo
     let place = source.place();
     let (path, json_path) = (place.path, place.json_path);
     let mut noted = Vec::new();
-    let (mesh, uses) = obj::read(source, Some(MaterialUses::default()), &mut noted)?;
+    let (mesh, uses) = obj::read(source, Some(MaterialUses::default()), &mut noted, work)?;
     let uses = uses.unwrap_or_default();
     if uses.triangles != mesh.triangles.len() {
         let message = format!("{} triangles were made of {}", mesh.triangles.len(), uses.triangles);
