@@ -867,7 +867,7 @@ impl World {
                 }
                 Call::Query { rays, threads, strides, wanted } => {
                     let rays = as_rays(&rays);
-                    let Some(first) = rays.first() else { continue };
+                    let Some(first) = rays.first() else { return };
                     // Room for the greatest stride that is not refused.
                     let mut floats = vec![0.0_f32; 64 * rays.len() + 64];
                     let mut doubles = vec![0.0_f64; 64 * rays.len() + 64];
