@@ -2120,8 +2120,9 @@ typedef struct etd_render_options {
     uint64_t seed;
     /**
      * Time limit in seconds, > 0; 0: no limit. It ends the render in the middle of a pass, and of shooting photons for it. One
-     * sample per pixel is always taken, with the photon maps, the irradiance cache or the radiosity solution that it needs; a
-     * render that takes longer than its limit for that logs a warning.
+     * sample per pixel is always taken, with the photon maps or the irradiance cache that it needs; a render that takes longer than
+     * its limit for that logs a warning. A radiosity solution is less accurate where time is short, which is logged as well; that of a
+     * share of the picture takes the time that it takes.
      */
     double time_limit;
     /**
