@@ -2121,8 +2121,8 @@ typedef struct etd_render_options {
     /**
      * Time limit in seconds, > 0; 0: no limit. It ends the render in the middle of a pass, and of shooting photons for it. One
      * sample per pixel is always taken, with the photon maps or the irradiance cache that it needs; a render that takes longer than
-     * its limit for that logs a warning. A radiosity solution is less accurate where time is short, which is logged as well; that of a
-     * share of the picture takes the time that it takes.
+     * its limit for that logs a warning. A radiosity solution is less accurate where time is short, which is logged as well; its first
+     * links, a fixed number of iterations, and that of a share of the picture take the time that they take.
      */
     double time_limit;
     /**
@@ -5019,7 +5019,8 @@ etd_status etd_film_get_summary(const struct etd_film *film, struct etd_summary 
  *
  * Mapped images stay as they are until they are unmapped; they do not count for the device's memory limit. A task that was cancelled or
  * cut short cannot be resumed while the film has another resolution than when the task was begun, and keeps its samples,
- * which do not count either, until it is released. `images` of `etd_progress` goes on counting. Errors, after all of which the film is as
+ * which do not count either, until it is released. `images` of `etd_progress` goes on
+ * counting with the next image that is rendered; the black one is not counted. Errors, after all of which the film is as
  * it was: `ETD_INVALID_ARGUMENT` for a resolution out of range, `ETD_INVALID_OPERATION` while a render uses the film and while it is
  * saved, merged or gone on from, `ETD_OUT_OF_MEMORY` if the film would exceed the device's memory limit. Thread-safe.
  */

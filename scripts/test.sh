@@ -6,8 +6,9 @@ cd "$(dirname "$0")/.."
 step() { printf '\n== %s\n' "$*"; }
 
 # What is installed is built beside the lints and tests, of which long stretches leave a core idle. It yields to them, since
-# some of them measure how soon a render stops. Link-time optimisation, which takes most of the time of a build, is left out.
-export CARGO_PROFILE_RELEASE_LTO=off CARGO_PROFILE_RELEASE_CODEGEN_UNITS=16
+# some of them measure how soon a render stops. Link-time optimisation, which takes most of the time of a build, is left
+# out unless ETENDUE_LTO is set, as it is to be before a release.
+[ -n "${ETENDUE_LTO:-}" ] || export CARGO_PROFILE_RELEASE_LTO=off CARGO_PROFILE_RELEASE_CODEGEN_UNITS=16
 log=$(mktemp)
 nice -n 19 make --no-print-directory build >"$log" 2>&1 &
 optimised=$!

@@ -133,6 +133,12 @@ fn solutions_that_time_has_ended_go_on_as_they_are() {
     let mut other = Render::new(&scene, whole.clone()).unwrap();
     assert!(!is_early(&run(&mut other)));
     assert_ne!(bits(&one.image()), bits(&other.image()));
+    // Another time limit does not end it elsewhere.
+    let time_limit = Some(Duration::from_secs(60));
+    let more = RenderSettings { time_limit, ..whole.clone() };
+    let mut render = Render::resume(&scene, more, moved(&checkpoint)).unwrap();
+    run(&mut render);
+    assert_eq!(bits(&one.image()), bits(&render.image()));
     // What is early is near to the whole.
     let mean = |render: &Render| render.image().rgb.iter().map(|&x| f64::from(x)).sum::<f64>();
     let ratio = mean(&one) / mean(&other);

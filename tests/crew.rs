@@ -358,6 +358,29 @@ fn a_render_that_was_stopped_goes_on_with_other_helpers() {
     }
 }
 
+/// Helpers make a radiosity solution as it is that time has ended, in the render that it ends and in one that goes on with it.
+#[test]
+fn helpers_have_the_solution_that_time_has_ended() {
+    let scene = built(PAINT);
+    let whole = settings(IntegratorDesc::Radiosity);
+    let ended = RenderSettings { time_limit: Some(Duration::ZERO), ..whole.clone() };
+    let helpers = [(whole.clone(), Health::Well), (whole.clone(), Health::Well)];
+    let is_early = |notes: &[String]| notes.iter().any(|note| note.contains("the time limit ended the solution early"));
+    let (expected, summary) = alone(&scene, &ended);
+    assert!(is_early(&summary.notes), "{:?}", summary.notes);
+    let render = Render::new(&scene, ended).unwrap();
+    let (begun, summary, outcomes) = with_helpers(&scene, render, &helpers, &mut go_on);
+    assert!(is_early(&summary.notes) && outcomes.iter().all(Result::is_ok), "{outcomes:?}");
+    assert_eq!(bits(&begun.image()), expected);
+
+    let resumed = || Render::resume(&scene, whole.clone(), begun.checkpoint().unwrap()).unwrap();
+    let mut by_itself = resumed();
+    by_itself.run(&mut |_| ControlFlow::Continue(())).unwrap();
+    let (helped, summary, outcomes) = with_helpers(&scene, resumed(), &helpers, &mut go_on);
+    assert!(is_early(&summary.notes) && outcomes.iter().all(Result::is_ok), "{outcomes:?}");
+    assert_eq!(bits(&helped.image()), bits(&by_itself.image()));
+}
+
 #[test]
 fn time_and_cancelling_end_a_render_with_helpers() {
     let scene = built(GLASS);

@@ -172,7 +172,14 @@ impl etd_film {
     /// Makes this a black film of another resolution, which takes so many bytes of the device's memory limit. Maps stay as they are. It is
     /// an error while the film is in use.
     pub(super) fn resize(&self, resolution: [u32; 2], bytes: usize) -> Result {
+        // Before the image takes memory that the limit does not leave.
+        let room = {
+            let state = lock(&self.state);
+            state.check_free()?;
+            self.device.budget.try_charge(bytes.saturating_sub(state.charge.bytes()))?
+        };
         let black = Arc::new(self.frame(resolution)?);
+        drop(room);
         let mut state = lock(&self.state);
         state.check_free()?;
         state.charge.resize(bytes)?;

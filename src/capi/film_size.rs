@@ -13,7 +13,8 @@ use crate::film::{FilmOptions, TILE};
 ///
 /// Mapped images stay as they are until they are unmapped; they do not count for the device's memory limit. A task that was cancelled or
 /// cut short cannot be resumed while the film has another resolution than when the task was begun, and keeps its samples,
-/// which do not count either, until it is released. `images` of `etd_progress` goes on counting. Errors, after all of which the film is as
+/// which do not count either, until it is released. `images` of `etd_progress` goes on
+/// counting with the next image that is rendered; the black one is not counted. Errors, after all of which the film is as
 /// it was: `ETD_INVALID_ARGUMENT` for a resolution out of range, `ETD_INVALID_OPERATION` while a render uses the film and while it is
 /// saved, merged or gone on from, `ETD_OUT_OF_MEMORY` if the film would exceed the device's memory limit. Thread-safe.
 ///

@@ -141,7 +141,7 @@ pub unsafe extern "C" fn etd_scene_add_mesh_from(
             let shared = {
                 let desc = source.desc();
                 find(&desc.meshes, source_mesh, "mesh").map_err(of_source)?;
-                desc.shared_mesh(source_mesh as usize)?
+                desc.shared_mesh(source_mesh as usize).map_err(|error| of_source(error.into()))?
             };
             let number = scene.edit(|desc| desc.add_shared_mesh(name, &shared))?;
             out_mesh.write(number as u32);

@@ -35,6 +35,10 @@ pub(super) const SAMPLES: u32 = 16;
 /// Shortest time limit with which a pilot is made.
 const LEAST_TIME: Duration = Duration::from_secs(10);
 
+/// Part of a time limit that a radiosity solution may take, so that there is time for samples too, also for a render that goes on and makes
+/// the same solution once more.
+const SOLUTION_TIME: f64 = 0.75;
+
 /// Makes the random numbers of light paths others than those of the pixels.
 pub(super) const LIGHT_SEED: u64 = 0x6c69_6768_7400_0000;
 
@@ -304,9 +308,10 @@ impl Render {
     }
 
     /// How far the radiosity solution goes that the render begins with. Time ends none of a share, since those of the others might end
-    /// elsewhere.
+    /// elsewhere, and none of light at given places, of which there is to be the best.
     pub(super) fn extent(&self, start: Instant) -> Extent {
-        let limit = self.settings.time_limit.filter(|_| self.settings.share.is_none());
+        let is_whole = self.settings.share.is_some() || self.method.is_of_places();
+        let limit = self.settings.time_limit.filter(|_| !is_whole).map(|limit| limit.mul_f64(SOLUTION_TIME));
         match (self.solution, limit.and_then(|limit| start.checked_add(limit))) {
             (Some(steps), _) => Extent::Steps(steps),
             (None, Some(end)) => Extent::Until(end),

@@ -180,8 +180,8 @@ pub struct etd_render_options {
     pub seed: u64,
     /// Time limit in seconds, > 0; 0: no limit. It ends the render in the middle of a pass, and of shooting photons for it. One
     /// sample per pixel is always taken, with the photon maps or the irradiance cache that it needs; a render that takes longer than
-    /// its limit for that logs a warning. A radiosity solution is less accurate where time is short, which is logged as well; that of a
-    /// share of the picture takes the time that it takes.
+    /// its limit for that logs a warning. A radiosity solution is less accurate where time is short, which is logged as well; its first
+    /// links, a fixed number of iterations, and that of a share of the picture take the time that they take.
     pub time_limit: f64,
     /// Target error in the measure `error_measure`, > 0; 0: none. It is reached when the estimated error plus a quarter of the
     /// estimate's standard error is at most the target, but not before 32 samples per pixel, and not while few pixels have most

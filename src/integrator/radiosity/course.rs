@@ -101,8 +101,11 @@ impl Course {
     }
 
     /// Notes that all surfaces are linked.
-    pub fn linked(&mut self, links: usize, gathered: usize) {
-        (self.links, self.gathered) = (links, gathered);
+    pub fn linked(&mut self, links: usize, gathered: impl FnOnce() -> usize) {
+        self.links = links;
+        if let Extent::Until(_) = self.extent {
+            self.gathered = gathered();
+        }
     }
 
     /// Time (s) in which refinement evaluates so many pairs.
@@ -110,8 +113,9 @@ impl Course {
         pairs * (self.refined - self.start).as_secs_f64() / self.pairs.max(1) as f64
     }
 
-    /// Whether refinement ends before all links are as accurate as they are to be. `links`: how many there are, or will be at least.
-    pub fn refines_no_more(&mut self, links: usize) -> bool {
+    /// Whether refinement ends before all links are as accurate as they are to be. `links`: how many there are, or will be at least;
+    /// `waiting`: how many pairs are to be evaluated for that.
+    pub fn refines_no_more(&mut self, links: usize, waiting: usize) -> bool {
         if self.is_coarse || self.links == 0 {
             return self.is_coarse;
         }
@@ -119,7 +123,7 @@ impl Course {
         let a_link = MEASURING + (BALANCE + VERTICES) * gathered;
         self.is_coarse = match self.extent {
             Extent::Steps(steps) => self.asked >= steps.links,
-            Extent::Until(end) => left(end) < self.time_of(a_link * links as f64),
+            Extent::Until(end) => left(end) < self.time_of(a_link * links as f64 + waiting as f64),
         };
         self.asked += u32::from(!self.is_coarse);
         self.is_coarse
@@ -168,9 +172,11 @@ impl Course {
         };
         let after = match (self.is_short, self.after) {
             (false, _) => "",
-            (true, 0) => ", visibility is not measured by the light that it blocks, and leaves are not balanced",
-            (true, 1) => ", and leaves are not balanced",
-            (true, _) => ", and leaves are not balanced to the end",
+            (true, 0) => {
+                ", visibility is not measured by the light that it blocks, leaves are not balanced, and light is gathered a few times only"
+            }
+            (true, 1) => ", leaves are not balanced, and light is gathered a few times only",
+            (true, _) => ", leaves are not balanced to the end, and light is gathered a few times only",
         };
         format!("radiosity: the time limit ended the solution early: {links}{after}")
     }

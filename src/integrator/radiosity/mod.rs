@@ -216,7 +216,7 @@ impl Radiosity {
             Default::default()
         };
         parallel.progress(PROGRESS_SOLVED);
-        let (irradiance, leaves) = final_irradiance(&shared, desc, (ambient, course.is_short()), parallel)?;
+        let (irradiance, leaves) = final_irradiance(&shared, desc, ambient, parallel)?;
         let mut hierarchy = write(&shared);
         let mut summary = RadiositySummary {
             links: hierarchy.links.len(),
@@ -423,7 +423,7 @@ fn balance_leaves(shared: &SharedHierarchy, course: &mut Course, parallel: &mut 
     Ok(())
 }
 
-/// Solves the system of equations; `is_short`: leaves are not balanced any more. Returns the ambient irradiance too, which is 0 for
+/// Solves the system of equations; `is_short`: leaves are not balanced to the end. Returns the ambient irradiance too, which is 0 for
 /// gathering.
 fn solve_system(
     shared: &SharedHierarchy,
@@ -441,10 +441,7 @@ fn solve_system(
         // The last bounce of a fixed number is gathered at the vertices.
         RadiositySolver::Gather => {
             let iterations = match desc.iterations {
-                Some(count) => {
-                    let balanced = if is_short { 0 } else { BALANCED_BOUNCES };
-                    Iterations::Fixed { count: count.saturating_sub(1), balanced }
-                }
+                Some(count) => Iterations::Fixed { count: count.saturating_sub(1), balanced: BALANCED_BOUNCES },
                 None => Iterations::Until { tolerance: desc.tolerance, most: MAX_ITERATIONS },
             };
             let convergence = solve::gather(shared, iterations, parallel)?;
@@ -462,10 +459,10 @@ type FinalIrradiance = (Vec<Rgb>, Vec<(u32, DVec3)>);
 fn final_irradiance(
     shared: &SharedHierarchy,
     desc: &RadiosityDesc,
-    (ambient, is_short): (DVec3, bool),
+    ambient: DVec3,
     parallel: &mut impl Parallel,
 ) -> Result<FinalIrradiance> {
-    if desc.iterations.is_some_and(|count| count > 0) && !is_short {
+    if desc.iterations.is_some_and(|count| count > 0) {
         solve::balance(shared, true, parallel)?;
     }
     let mut leaves = node_irradiance::leaf_irradiances(shared, parallel)?;
@@ -496,7 +493,7 @@ fn link_scene(
     let last = COARSE_FACTORS.len() - 1;
     for step in 0..COARSE_FACTORS.len() + FULL_REFINEMENTS {
         let coarse_factor = COARSE_FACTORS[step.min(last)];
-        if course.refines_no_more(read(shared).links.len()) {
+        if course.refines_no_more(read(shared).links.len(), 0) {
             return Ok(());
         }
         {
@@ -528,7 +525,7 @@ fn link_scene(
         parallel.progress(PROGRESS_LINKED[step]);
     }
     for done in PROGRESS_SUBDIVIDED {
-        if course.refines_no_more(read(shared).links.len()) {
+        if course.refines_no_more(read(shared).links.len(), 0) {
             return Ok(());
         }
         mark_discontinuities(shared, parallel)?;

@@ -286,7 +286,10 @@ pub(super) fn refine(
     while !waiting.is_empty() {
         if !is_over {
             let mut hierarchy = shared.write().unwrap_or_else(PoisonError::into_inner);
-            is_over = course.refines_no_more(hierarchy.links.len() + waiting.len());
+            is_over = course.refines_no_more(
+                hierarchy.links.len() + waiting.len(),
+                waiting.len() + PAIRS_PER_ROUND.min(waiting.len()),
+            );
             if is_over {
                 hierarchy.oracle.threshold *= COARSER;
             }
@@ -307,7 +310,7 @@ pub(super) fn refine(
     }
     let mut hierarchy = shared.write().unwrap_or_else(PoisonError::into_inner);
     hierarchy.sort()?;
-    course.linked(hierarchy.links.len(), hierarchy.gathered_links());
+    course.linked(hierarchy.links.len(), || hierarchy.gathered_links());
     Ok(())
 }
 

@@ -226,7 +226,7 @@ impl Checkpoint {
                 let is_open = is_open || [whole.first_shadow_rays, header.first_shadow_rays].contains(&None);
                 let is_open = is_open || [whole.cache, header.cache].contains(&None);
                 let is_open = is_open || whole.solution.is_some() != header.solution.is_some();
-                let what = "the shares were rendered in different ways: one with hits that pixels share or with an irradiance cache, or other numbers of light paths or samples";
+                let what = "the shares were rendered in different ways: one with hits that pixels share or with an irradiance cache, other numbers of light paths or samples, or a radiosity solution that ended elsewhere";
                 let what = if is_open { "some shares have no samples, others have" } else { what };
                 return invalid(what.to_owned());
             }
