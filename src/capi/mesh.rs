@@ -3,6 +3,7 @@
 use std::any::Any;
 use std::ffi::{c_char, c_void};
 use std::path::Path;
+use std::ptr::null_mut;
 use std::sync::Arc;
 
 use super::boundary::{UserData, need, on, optional_text, read_sized, share, text};
@@ -59,14 +60,7 @@ pub unsafe extern "C" fn etd_scene_add_mesh_file(
     out_mesh: *mut u32,
 ) -> etd_status {
     // SAFETY: the caller keeps this function's contract.
-    unsafe {
-        on(scene, |scene| {
-            need(out_mesh, "out_mesh")?;
-            let (name, path) = (optional_text(name, "name")?, text(path, "path")?);
-            out_mesh.write(add_file(scene, name, path, &LoadOptions::default())?);
-            Ok(())
-        })
-    }
+    unsafe { etd_scene_add_mesh_file_with_progress(scene, name, path, None, null_mut(), out_mesh) }
 }
 
 /// Adds a mesh from a file as `etd_scene_add_mesh_file` does, and says meanwhile how far the reading is.
@@ -95,17 +89,14 @@ pub unsafe extern "C" fn etd_scene_add_mesh_file_with_progress(
             let progress = HostProgress::new(progress, UserData(user_data));
             let options =
                 LoadOptions { cancel: progress.cancel().clone(), progress: progress.build(), ..LoadOptions::default() };
-            out_mesh.write(add_file(scene, name, path, &options)?);
+            // The scene is not locked while the file is read.
+            let file = scene.desc().mesh_file(name, Path::new(path))?;
+            let mesh = file.read(&options)?;
+            let number = scene.edit(|desc| desc.add_read_mesh(mesh))?;
+            out_mesh.write(number as u32);
             Ok(())
         })
     }
-}
-
-/// Reads a mesh file while the scene is not locked, and adds its mesh.
-fn add_file(scene: &etd_scene, name: &str, path: &str, options: &LoadOptions) -> Result<u32> {
-    let file = scene.desc().mesh_file(name, Path::new(path))?;
-    let mesh = file.read(options)?;
-    Ok(scene.edit(|desc| desc.add_read_mesh(mesh))? as u32)
 }
 
 /// Adds a mesh that another scene has, without a copy: both scenes read the same arrays, and an array of the host's memory (`ETD_SHARE`)
