@@ -3222,33 +3222,6 @@ typedef struct etd_mesh_info {
 } etd_mesh_info;
 
 /**
- * When the shutter is open, in seconds. Everything is seen at one moment where it closes as it opens.
- */
-typedef struct etd_shutter {
-    /**
-     * `sizeof(etd_shutter)`.
-     */
-    size_t struct_size;
-    /**
-     * When it opens.
-     */
-    double open;
-    /**
-     * When it closes, not before `open`.
-     */
-    double close;
-    /**
-     * How open it is at moments evenly spaced from `open` to `close`, in any unit: numbers >= 0, between which it changes linearly;
-     * they are read during the call. NULL: as open all the time. `etd_scene_get_shutter` sets it to NULL.
-     */
-    const double *curve;
-    /**
-     * Number of them, 2 to 1024; 0 with NULL.
-     */
-    size_t curve_count;
-} etd_shutter;
-
-/**
  * A keyframe: a transform at a time, which is done to a thing after its own placement. Between two keyframes, translation and scale
  * change linearly and the rotation goes the shorter way at constant speed; before the first and after the last, nothing moves.
  * Arrays of keyframes follow one another without gaps, so this structure does not grow.
@@ -3283,6 +3256,33 @@ typedef struct etd_motion_key {
      */
     double matrix[12];
 } etd_motion_key;
+
+/**
+ * When the shutter is open, in seconds. Everything is seen at one moment where it closes as it opens.
+ */
+typedef struct etd_shutter {
+    /**
+     * `sizeof(etd_shutter)`.
+     */
+    size_t struct_size;
+    /**
+     * When it opens.
+     */
+    double open;
+    /**
+     * When it closes, not before `open`.
+     */
+    double close;
+    /**
+     * How open it is at moments evenly spaced from `open` to `close`, in any unit: numbers >= 0, between which it changes linearly;
+     * they are read during the call. NULL: as open all the time. `etd_scene_get_shutter` sets it to NULL.
+     */
+    const double *curve;
+    /**
+     * Number of them, 2 to 1024; 0 with NULL.
+     */
+    size_t curve_count;
+} etd_shutter;
 
 /**
  * A texture: an image or a pattern of two colours, and where it lies.
@@ -4812,6 +4812,75 @@ etd_status etd_scene_copy_mesh(const struct etd_scene *scene,
                                float *normals,
                                float *uvs,
                                uint32_t *indices);
+
+/**
+ * Makes a group of copies of surfaces, as they are at this moment, to be placed as often as wanted. The frame of the group is the world's.
+ * The surfaces themselves stay what they are; those that were only made for the group can be removed.
+ *
+ * `name`: UTF-8, not the name of another group; NULL or an empty text: none. `surfaces`: `count` numbers of surfaces, at least one. `*out_group`
+ * receives the number of the group. No picture depends on a group that is not placed. Errors: `ETD_INVALID_SCENE` for a name that is
+ * taken and for a surface that was removed; `ETD_UNSUPPORTED` for a surface that moves by keyframes. Thread-safe.
+ */
+etd_status etd_scene_add_group(struct etd_scene *scene,
+                               const char *name,
+                               const uint32_t *surfaces,
+                               size_t count,
+                               uint32_t *out_group);
+
+/**
+ * Places a group: adds a copy of each of its surfaces. Each is a surface like any other, with a number of its own, and can be changed and removed
+ * by itself.
+ *
+ * `transform`: from the group's frame to the world, three rows of four numbers, invertible; NULL: the identity. `*out_placement` receives the
+ * number of the placement, and `*out_first_surface` that of the first of its surfaces, which follow one another in the order of the
+ * group's; it may be NULL. Memory and time to build grow with the number of surfaces. The triangles of meshes, and the hierarchy over all
+ * meshes of a group, are shared between its placements where they are many (docs/c-api.md). Errors: those of
+ * `etd_scene_set_transform`; `ETD_UNSUPPORTED` for more than 4194304 surfaces. Thread-safe.
+ */
+etd_status etd_scene_place_group(struct etd_scene *scene,
+                                 uint32_t group,
+                                 const double *transform,
+                                 uint32_t *out_placement,
+                                 uint32_t *out_first_surface);
+
+/**
+ * Moves a placement as a whole. `transform`: from the group's frame to the world, three rows of four numbers, invertible. It replaces the
+ * previous one. Surfaces of the placement that were moved by themselves come back to their places in the group. Thread-safe.
+ */
+etd_status etd_scene_set_placement_transform(struct etd_scene *scene,
+                                             uint32_t placement,
+                                             const double *transform);
+
+/**
+ * Sets the keyframes of a placement, which move all of its surfaces after their transforms. 0 of them: it rests. The errors are those of
+ * `etd_scene_set_surface_motion`. Thread-safe.
+ */
+etd_status etd_scene_set_placement_motion(struct etd_scene *scene,
+                                          uint32_t placement,
+                                          const struct etd_motion_key *keys,
+                                          size_t count);
+
+/**
+ * Removes a placement with its surfaces. Its number and those of its surfaces are not used again, and no other number changes. Thread-safe.
+ */
+etd_status etd_scene_remove_placement(struct etd_scene *scene,
+                                      uint32_t placement);
+
+/**
+ * Returns which group is placed, the number of the first of its surfaces here, how many there are, and the placement's transform as
+ * described now: three rows of four numbers. Each of the four may be NULL. It is an error if the placement was removed. Thread-safe.
+ */
+etd_status etd_scene_get_placement(const struct etd_scene *scene,
+                                   uint32_t placement,
+                                   uint32_t *out_group,
+                                   uint32_t *out_first_surface,
+                                   uint32_t *out_surface_count,
+                                   double *out_transform);
+
+/**
+ * Returns the number of the group with a name. Thread-safe.
+ */
+etd_status etd_scene_find_group(const struct etd_scene *scene, const char *name, uint32_t *out_group);
 
 /**
  * Sets when the shutter is open. Errors: `ETD_INVALID_SCENE` for one that closes before it opens, and for a curve with a number below 0

@@ -1193,6 +1193,53 @@ public:
         return detail::give(status, std::move(number));
     }
 
+    /** A group that is placed, as it is described now. */
+    struct Placement {
+        std::uint32_t group = ETD_NONE;
+        /** The numbers of its surfaces follow one another. */
+        std::uint32_t first_surface = ETD_NONE;
+        std::uint32_t surface_count = 0;
+        Transform transform{};
+    };
+
+    /** Makes a group of copies of surfaces; its number. `name`: NULL for none. */
+    Outcome<std::uint32_t> add_group(const std::vector<std::uint32_t> &surfaces, const char *name = nullptr) {
+        std::uint32_t number = ETD_NONE;
+        const etd_status status = etd_scene_add_group(get(), name, surfaces.data(), surfaces.size(), &number);
+        return detail::give(status, std::move(number));
+    }
+    /** Places a group; the number of the placement, of which `placement` says more. */
+    Outcome<std::uint32_t> place_group(std::uint32_t group, const Transform &transform) {
+        std::uint32_t number = ETD_NONE;
+        const etd_status status = etd_scene_place_group(get(), group, transform.data(), &number, nullptr);
+        return detail::give(status, std::move(number));
+    }
+    /** What a placement is as described now. */
+    Outcome<Placement> placement(std::uint32_t number) const {
+        Placement it;
+        const etd_status status = etd_scene_get_placement(get(), number, &it.group, &it.first_surface, &it.surface_count,
+                                                          it.transform.data());
+        return detail::give(status, std::move(it));
+    }
+    /** Moves a placement as a whole. */
+    Outcome<void> set_placement_transform(std::uint32_t number, const Transform &transform) {
+        return detail::done(etd_scene_set_placement_transform(get(), number, transform.data()));
+    }
+    /** Sets the keyframes of a placement; none: it rests. */
+    Outcome<void> set_placement_motion(std::uint32_t number, const etd_motion_key *keys, std::size_t count) {
+        return detail::done(etd_scene_set_placement_motion(get(), number, keys, count));
+    }
+    /** Removes a placement with its surfaces. */
+    Outcome<void> remove_placement(std::uint32_t number) {
+        return detail::done(etd_scene_remove_placement(get(), number));
+    }
+    /** The number of the group of this name. */
+    Outcome<std::uint32_t> find_group(const char *name) const {
+        std::uint32_t number = ETD_NONE;
+        const etd_status status = etd_scene_find_group(get(), name, &number);
+        return detail::give(status, std::move(number));
+    }
+
     /** Adds a mesh; its number. */
     Outcome<std::uint32_t> add_mesh(const etd_mesh &mesh) {
         std::uint32_t number = ETD_NONE;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 
 /// The files of the C interface, in the order in which the header presents them.
-const SOURCES: [&str; 39] = [
+const SOURCES: [&str; 40] = [
     "status.rs",
     "last_error.rs",
     "types/mod.rs",
@@ -34,6 +34,7 @@ const SOURCES: [&str; 39] = [
     "surface.rs",
     "mesh.rs",
     "shape.rs",
+    "group.rs",
     "motion.rs",
     "texture.rs",
     "film.rs",

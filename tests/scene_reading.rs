@@ -845,6 +845,68 @@ fn surfaces_have_names_or_none() {
 }
 
 #[test]
+fn groups_are_placed_as_surfaces_of_their_own() {
+    let ball = |x: i32| format!(r#"{{"geometry": "sphere", "origin": [{x}, 0, 0], "radius": 1, "material": "white"}}"#);
+    let place = |group: &str, more: &str| format!(r#"{{"geometry": "group", "group": "{group}"{more}}}"#);
+    let [one, two] = [ball(0), ball(3)];
+    let pair = format!(
+        r#"{{"name": "pair", "surfaces": [{one}, {{"name": "disk", "geometry": "disk",
+        "origin": [0, 0, 0], "normal": [0, 0, 1], "radius": 2, "material": "white", "transform": {{"translate": [0, 1, 0]}}}}]}}"#
+    );
+    let nested =
+        format!(r#"{{"name": "more", "surfaces": [{}, {two}]}}"#, place("pair", r#", "transform": {"scale": 2}"#));
+    let scene = native(&format!(
+        r#""groups": [{pair}, {nested}], "surfaces": [{one}, {}, {}, {}]"#,
+        place("pair", r#", "transform": {"translate": [10, 0, 0]}, "name": "both""#),
+        place("more", r#", "transform": {"rotate": [0, 0, 90]}"#),
+        place("pair", r#", "motion": [{"time": 0}, {"time": 1, "translate": [1, 0, 0]}]"#),
+    ));
+    let paths: Vec<&str> = scene.surfaces.iter().map(|it| it.path.as_str()).collect();
+    let expected = [
+        "[0]",
+        "[1].surfaces[0]",
+        "[1].surfaces[1]",
+        "[2].surfaces[0]",
+        "[2].surfaces[1]",
+        "[2].surfaces[2]",
+        "[3].surfaces[0]",
+        "[3].surfaces[1]",
+    ];
+    assert_eq!(paths, expected.map(|path| format!("surfaces{path}")));
+    assert_eq!(scene.find_surface("surfaces[2].surfaces[1]"), Some(4));
+    let names: Vec<&str> = scene.surfaces.iter().map(|it| it.name.as_str()).collect();
+    assert_eq!(names, ["", "both", "both", "", "disk", "", "", "disk"]);
+    let at = |number: usize| scene.surfaces[number].to_world().transform_point3(DVec3::ZERO);
+    for (number, point) in [(1, [10.0, 0.0]), (2, [10.0, 1.0]), (3, [0.0, 0.0]), (4, [-2.0, 0.0]), (5, [0.0, 0.0])] {
+        assert!(near(at(number), DVec3::new(point[0], point[1], 0.0)), "{number}: {}", at(number));
+    }
+    assert_eq!(scene.motion.surfaces.keys().copied().collect::<Vec<_>>(), [6, 7]);
+    let groups: Vec<_> = scene.placements.iter().map(|it| (it.group, it.surfaces.clone(), it.path.as_str())).collect();
+    assert_eq!(groups, [(0, 1..3, "surfaces[1]"), (1, 3..6, "surfaces[2]"), (0, 6..8, "surfaces[3]")]);
+    assert_eq!(scene.find_group("more"), Some(1));
+    assert_eq!(scene.groups[1].members.len(), 3);
+}
+
+/// A line per level doubles the number of surfaces.
+#[test]
+fn groups_of_groups_are_bounded() {
+    let level = |i: usize| {
+        let place = format!(r#"{{"geometry": "group", "group": "{}"}}"#, i - 1);
+        format!(r#"{{"name": "{i}", "surfaces": [{place}, {place}]}}"#)
+    };
+    let first =
+        r#"{"name": "0", "surfaces": [{"geometry": "sphere", "origin": [0, 0, 0], "radius": 1, "material": "white"}]}"#;
+    let levels: Vec<String> = (1..64).map(level).collect();
+    let text = format!(
+        r#"{{"etendue": 1, "camera": {{}}, "materials": [{{"name": "white", "type": "black"}}], "groups": [{first}, {}]}}"#,
+        levels.join(", ")
+    );
+    let error = desc::parse(&text, Path::new("."), None).unwrap_err();
+    assert_eq!(error.kind(), etendue::ErrorKind::Unsupported);
+    assert_eq!(error.location().json_path, "groups[23].surfaces[1]");
+}
+
+#[test]
 fn a_surface_that_only_emits_needs_no_material() {
     let scene = native(
         r#""surfaces": [{"geometry": "sphere", "origin": [0, 0, 0], "radius": 1, "emission": [1, 2, 3]},

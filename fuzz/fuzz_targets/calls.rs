@@ -59,6 +59,11 @@ enum Call {
     SetMesh { mesh: u8, vertices: Vec<[i8; 3]>, triangles: Vec<[u8; 3]>, flags: u8 },
     RemoveMesh { mesh: u8 },
     MeshFrom { mesh: u8, name: Option<u8> },
+    AddGroup { surfaces: [u8; 3], count: u8, name: Option<u8> },
+    PlaceGroup { group: u8, transform: Option<[f64; 12]> },
+    SanePlacement { group: u8, shift: [i8; 3], scale: i8 },
+    MovePlacement { placement: u8, shift: [i8; 3], scale: i8 },
+    RemovePlacement { placement: u8 },
     AddMeshSurface { mesh: u8, smooth: u8, material: u8, glow: u8, shift: [i8; 3] },
     AddTexture { kind: u8, size: [u8; 3], format: u8, numbers: [f32; 8], texels: Vec<u8>, name: Option<u8> },
     SetTexture { texture: u8, kind: u8, size: [u8; 3], format: u8, numbers: [f32; 8], texels: Vec<u8> },
@@ -639,6 +644,35 @@ impl World {
                     let name = name.map(|name| CString::new(vec![name.max(1)]).expect("no zero byte"));
                     let name = name.as_ref().map_or(null(), |name| name.as_ptr());
                     fine(etd_scene_add_mesh_from(scene, name, scene, u32::from(mesh), &raw mut number));
+                }
+                // Of few surfaces: groups of groups of groups grow fast.
+                Call::AddGroup { surfaces, count, name } => {
+                    let name = name.map(|name| CString::new(vec![name.max(1)]).expect("no zero byte"));
+                    let name = name.as_ref().map_or(null(), |name| name.as_ptr());
+                    let surfaces = surfaces.map(u32::from);
+                    let count = usize::from(count) % (surfaces.len() + 1);
+                    fine(etd_scene_add_group(scene, name, surfaces.as_ptr(), count, &raw mut number));
+                    fine(etd_scene_find_group(scene, name, &raw mut number));
+                }
+                Call::PlaceGroup { group, transform } => {
+                    let rows = transform.as_ref().map_or(null(), |rows| rows.as_ptr());
+                    fine(etd_scene_place_group(scene, u32::from(group % 4), rows, &raw mut number, null_mut()));
+                }
+                Call::SanePlacement { group, shift, scale } => {
+                    let rows = shifted(shift, f64::from(scale) / 16.0);
+                    let mut first = 0;
+                    fine(etd_scene_place_group(scene, u32::from(group % 4), rows.as_ptr(), &raw mut number, &raw mut first));
+                }
+                Call::MovePlacement { placement, shift, scale } => {
+                    let (placement, rows) = (u32::from(placement % 8), shifted(shift, f64::from(scale) / 16.0));
+                    fine(etd_scene_set_placement_transform(scene, placement, rows.as_ptr()));
+                    let (mut first, mut count) = (0, 0);
+                    let mut now = [0.0; 12];
+                    let group = &raw mut number;
+                    fine(etd_scene_get_placement(scene, placement, group, &raw mut first, &raw mut count, now.as_mut_ptr()));
+                }
+                Call::RemovePlacement { placement } => {
+                    fine(etd_scene_remove_placement(scene, u32::from(placement % 8)));
                 }
                 Call::AddMeshSurface { mesh, smooth, material, glow, shift } => {
                     let surface = look(material, [f32::from(glow / 64); 3], shifted(shift, 1.0));

@@ -159,7 +159,7 @@ pub unsafe extern "C" fn etd_scene_set_mesh_steps(
 ///
 /// # Safety
 /// `count` keyframes must be readable at `keys`, unless it is NULL.
-unsafe fn motion(keys: *const etd_motion_key, count: usize) -> Result<Option<MotionDesc>> {
+pub(super) unsafe fn motion(keys: *const etd_motion_key, count: usize) -> Result<Option<MotionDesc>> {
     // SAFETY: the caller keeps this function's contract.
     let keys = unsafe { items(keys, count, "keys") }?;
     let key = |(i, key): (usize, &etd_motion_key)| {

@@ -253,17 +253,26 @@ pub unsafe extern "C" fn etd_scene_add_file_surfaces(
             need(out_first, "out_first")?;
             need(out_count, "out_count")?;
             let path = text(path, "path")?;
-            let rows = if transform.is_null() { [0.0; 12] } else { array(transform, "transform")? };
-            if !transform.is_null() && rows == [0.0; 12] {
-                return Err(Failure::argument("transform is all zero"));
-            }
-            let transform = read::transform(&rows);
+            let transform = optional_transform(transform)?;
             let numbers = scene.edit(|desc| desc.add_file_surfaces(Path::new(path), smooth != 0, transform))?;
             out_first.write(numbers.start as u32);
             out_count.write(numbers.len() as u32);
             Ok(())
         })
     }
+}
+
+/// The transform of three rows of four numbers, not all of them zero; the identity for NULL.
+///
+/// # Safety
+/// `transform` must be NULL or point to twelve numbers.
+pub(super) unsafe fn optional_transform(transform: *const f64) -> Result<DAffine3> {
+    if transform.is_null() {
+        return Ok(DAffine3::IDENTITY);
+    }
+    // SAFETY: the caller keeps this function's contract.
+    let rows: [f64; 12] = unsafe { array(transform, "transform") }?;
+    if rows == [0.0; 12] { Err(Failure::argument("transform is all zero")) } else { Ok(read::transform(&rows)) }
 }
 
 /// Removes a surface. Its number is not used again, and the numbers of other surfaces do not change. Thread-safe.
@@ -297,11 +306,9 @@ pub unsafe extern "C" fn etd_scene_set_transform(
     unsafe {
         on(scene, |scene| {
             find(&scene.desc().surfaces, surface, "surface")?;
-            let rows: [f64; 12] = array(transform, "transform")?;
-            if rows == [0.0; 12] {
-                return Err(Failure::argument("transform is all zero"));
-            }
-            scene.edit(|desc| desc.set_transform(surface as usize, read::transform(&rows)))
+            need(transform, "transform")?;
+            let transform = optional_transform(transform)?;
+            scene.edit(|desc| desc.set_transform(surface as usize, transform))
         })
     }
 }

@@ -75,6 +75,15 @@ impl<'a> Builder<'a> {
         })
     }
 
+    /// Returns the number of the group with this name.
+    pub fn group(&self, path: &str, name: &str) -> Result<usize> {
+        self.scene.find_group(name).ok_or_else(|| {
+            let known = self.scene.index.groups.keys().map(String::as_str);
+            let hint = json::did_you_mean(name, known);
+            Error::invalid(path, format!("no group named '{}'{hint}", json::elided(name)))
+        })
+    }
+
     /// Returns the number of the texture with this name.
     pub fn texture(&self, path: &str, name: &str) -> Result<usize> {
         self.scene.find_texture(name).ok_or_else(|| {

@@ -257,11 +257,11 @@ impl SceneDesc {
         Ok(())
     }
 
-    /// Removes a mesh that no surface uses any more and frees its memory. Its name may be used again; its number is not
+    /// Removes a mesh that no surface and no group uses any more and frees its memory. Its name may be used again; its number is not
     /// used again.
     ///
     /// # Errors
-    /// [`crate::ErrorKind::InvalidScene`] at `meshes[..]` while a surface uses the mesh, and for a number that no mesh
+    /// [`crate::ErrorKind::InvalidScene`] at `meshes[..]` while a surface or a group uses the mesh, and for a number that no mesh
     /// has or that belongs to a removed mesh.
     pub fn remove_mesh(&mut self, mesh: usize) -> Result<()> {
         let path = format!("meshes[{mesh}]");
@@ -269,6 +269,9 @@ impl SceneDesc {
         if let Some(user) = self.index.users(mesh, &self.surfaces).first() {
             let message = format!("{} uses the mesh, expected one that no surface uses", self.surfaces[*user].path);
             return Err(Error::invalid(path, message));
+        }
+        if let Some(group) = self.group_with_mesh(mesh) {
+            return Err(Error::invalid(path, format!("{group} uses the mesh, expected one that no group uses")));
         }
         let removed = std::mem::replace(&mut self.meshes[mesh], Arc::new(MeshDesc { path, ..MeshDesc::default() }));
         self.motion.meshes.remove(&mesh);
@@ -299,13 +302,18 @@ impl SceneDesc {
     /// The errors are those of [`Self::add_surface`], and an error for a number that no surface has or that belongs to
     /// a removed surface.
     pub fn set_transform(&mut self, surface: usize, transform: DAffine3) -> Result<()> {
+        self.check_move(surface, &transform)?;
+        self.surfaces[surface].transform = transform;
+        Ok(())
+    }
+
+    /// Checks that a surface can have this transform.
+    pub(super) fn check_move(&mut self, surface: usize, transform: &DAffine3) -> Result<()> {
         let known = self.live_surface(surface)?;
         let (shape, local, material, emission) = (known.shape, known.local, known.material, known.emission);
         let path = known.path.clone();
-        self.check_place(&path, &shape, &local, &transform)?;
-        self.check_look(&path, emission, material, &shape, &(transform * local))?;
-        self.surfaces[surface].transform = transform;
-        Ok(())
+        self.check_place(&path, &shape, &local, transform)?;
+        self.check_look(&path, emission, material, &shape, &(*transform * local))
     }
 
     /// Gives a surface another material. For a surface that emits, `None` makes the surface reflect nothing.
@@ -494,7 +502,7 @@ impl SceneDesc {
     }
 
     /// Checks that the shape can emit where the surface or its material emits, and that what emits is opaque.
-    fn check_look(
+    pub(super) fn check_look(
         &self,
         path: &str,
         emission: Option<Rgb>,
@@ -510,7 +518,13 @@ impl SceneDesc {
     }
 
     /// Checks that the placement is invertible and that its coordinates fit single precision.
-    fn check_place(&mut self, path: &str, shape: &ShapeDesc, local: &DAffine3, transform: &DAffine3) -> Result<()> {
+    pub(super) fn check_place(
+        &mut self,
+        path: &str,
+        shape: &ShapeDesc,
+        local: &DAffine3,
+        transform: &DAffine3,
+    ) -> Result<()> {
         let to_world = *transform * *local;
         validate::invertible(path, local)?;
         if *transform != DAffine3::IDENTITY {

@@ -17,6 +17,8 @@ pub struct SceneIndex {
     pub(super) materials: BTreeMap<String, usize>,
     /// Numbers of the named textures.
     pub(super) textures: BTreeMap<String, usize>,
+    /// Numbers of the named groups.
+    pub(super) groups: BTreeMap<String, usize>,
     /// Numbers of the named meshes. Several names may refer to one mesh.
     pub(super) meshes: BTreeMap<String, usize>,
     /// The extent of each mesh that was queried, with the data that it was computed from. A mesh that was replaced by

@@ -60,6 +60,8 @@ mod framing;
 mod gltf;
 mod grid;
 mod grid_keys;
+mod group;
+mod group_keys;
 mod hosek_wilkie;
 mod index;
 mod integrator;
@@ -128,6 +130,7 @@ pub use environment::{
 pub(crate) use file::{check_regular, open as open_file};
 pub use grid::{GridDesc, GridPoints, MAX_GRID_POINTS, PlaneGridDesc};
 pub use grid_keys::{load_grids, parse_grids};
+pub use group::{GroupDesc, MAX_PLACED_SURFACES, PlacementDesc};
 pub use hosek_wilkie::HosekWilkieDesc;
 pub use index::SceneIndex;
 pub use integrator::{

@@ -13,8 +13,8 @@ use serde_json::value::RawValue;
 use super::builder::Builder;
 use super::photometric::{LightKeys, Unit};
 use super::{
-    Dialect, RenderDesc, SceneDesc, backplate_keys, camera_keys, json, light_keys, material_keys, render_keys,
-    sky_keys, spectrum_keys, surface, texture_keys,
+    Dialect, RenderDesc, SceneDesc, backplate_keys, camera_keys, group_keys, json, light_keys, material_keys,
+    render_keys, sky_keys, spectrum_keys, surface, texture_keys,
 };
 use crate::control::WorkProgress;
 use crate::math::DVec3;
@@ -43,6 +43,8 @@ struct Top<'a> {
     materials: Option<&'a RawValue>,
     #[serde(borrow)]
     meshes: Option<&'a RawValue>,
+    #[serde(borrow)]
+    groups: Option<&'a RawValue>,
     #[serde(borrow)]
     surfaces: Option<&'a RawValue>,
 }
@@ -100,6 +102,7 @@ pub(super) fn read(
     json::each(top.textures, "textures", |path, raw| texture_keys::read(raw, path, &mut builder))?;
     json::each(top.materials, "materials", |path, raw| material_keys::read(raw, path, &mut builder))?;
     json::each(top.meshes, "meshes", |path, raw| surface::shared_mesh(raw, path, &mut builder))?;
+    json::each(top.groups, "groups", |path, raw| group_keys::read(raw, path, &mut builder))?;
     if let Some(raw) = top.backplate {
         builder.scene.backplate = Some(backplate_keys::read(raw, &builder)?);
     }

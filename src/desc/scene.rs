@@ -7,6 +7,7 @@ use super::backplate::BackplateDesc;
 use super::camera::CameraDesc;
 use super::distant::DistantLightDesc;
 use super::environment::EnvironmentDesc;
+use super::group::{GroupDesc, PlacementDesc};
 use super::index::SceneIndex;
 use super::light::PointLightDesc;
 use super::material::{Body, MaterialDesc};
@@ -43,6 +44,11 @@ pub struct SceneDesc {
     pub meshes: Vec<Arc<MeshDesc>>,
     /// Surfaces that rays can hit.
     pub surfaces: Vec<SurfaceDesc>,
+    /// Groups of surfaces, named by index from placements. A group that is the same `Arc` in the description of an edited scene is not
+    /// built again.
+    pub groups: Vec<Arc<GroupDesc>>,
+    /// Where groups are. The surfaces of each are in `surfaces`.
+    pub placements: Vec<PlacementDesc>,
     /// What moves, and when the shutter is open.
     pub motion: SceneMotion,
     /// Render settings, such as resolution, samples and integrator.

@@ -5,7 +5,8 @@ use schemars::transform::RecursiveTransform;
 use schemars::{JsonSchema, Schema};
 
 use super::{
-    backplate_keys, camera_keys, light_keys, material_keys, native, render_block, sky_keys, surface, texture_keys,
+    backplate_keys, camera_keys, group_keys, light_keys, material_keys, native, render_block, sky_keys, surface,
+    texture_keys,
 };
 
 /// A scene in Étendue's native format, version 1.
@@ -35,6 +36,8 @@ struct Scene<'a> {
     materials: Option<Vec<Material>>,
     /// Meshes that several surfaces can use, by name.
     meshes: Option<Vec<surface::SharedMesh>>,
+    /// Surfaces that are placed together, by name. Those inside another group are described before it.
+    groups: Option<Vec<group_keys::GroupSchema<Surface<'a>>>>,
     /// What there is to hit.
     surfaces: Option<Vec<Surface<'a>>>,
 }
@@ -92,6 +95,7 @@ enum Surface<'a> {
     Disk(surface::Disk<'a>),
     Ellipsoid(surface::Ellipsoid<'a>),
     Paraboloid(surface::Paraboloid<'a>),
+    Group(group_keys::Placement<'a>),
 }
 
 /// The JSON Schema (draft 2020-12) of native scene files.

@@ -8,11 +8,13 @@ use serde_json::value::RawValue;
 use super::area_web_keys::AreaWeb;
 use super::builder::Builder;
 use super::json::{self, Scale, join};
-use super::{MeshDesc, ShapeDesc, SurfaceLook, motion_keys, photometric, spectrum_keys, transform, validate};
+use super::{
+    MeshDesc, ShapeDesc, SurfaceLook, group_keys, motion_keys, photometric, spectrum_keys, transform, validate,
+};
 use crate::math::{Bounds, DAffine3, DVec3};
 use crate::{Error, Result};
 
-pub(super) use write::{write, write_mesh};
+pub(super) use write::{keeps_frame, write, write_mesh};
 
 /// Declares one kind of surface: its own keys after the ones all kinds share, and how to get at those.
 macro_rules! surface {
@@ -94,8 +96,8 @@ mod tags {
     tags!(Sphere Triangle Quad Mesh Quadric Cylinder Cone Disk Ellipsoid Paraboloid);
 }
 
-const KINDS: [&str; 10] =
-    ["sphere", "triangle", "quad", "mesh", "quadric", "cylinder", "cone", "disk", "ellipsoid", "paraboloid"];
+const KINDS: [&str; 11] =
+    ["sphere", "triangle", "quad", "mesh", "quadric", "cylinder", "cone", "disk", "ellipsoid", "paraboloid", "group"];
 
 surface!(
     /// A sphere, normals outwards.
@@ -439,6 +441,7 @@ pub(super) fn read(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Res
             let mut it: Ellipsoid = json::object(raw, path)?;
             it.place(path, ShapeDesc::ellipsoid(point(it.origin), point(it.radii)), builder)
         }
+        "group" => group_keys::read_placement(raw, path, builder),
         _ => {
             let mut it: Paraboloid = json::object(raw, path)?;
             it.place(path, ShapeDesc::paraboloid(point(it.apex), point(it.axis), it.radius, it.height), builder)
@@ -574,7 +577,7 @@ fn place(
 }
 
 /// The name of a surface; empty where it has none.
-fn checked_name(path: &str, name: Option<String>) -> Result<String> {
+pub(super) fn checked_name(path: &str, name: Option<String>) -> Result<String> {
     if name.as_ref().is_some_and(String::is_empty) {
         return Err(Error::invalid(join(path, "name"), "the name is empty, expected one letter at least, or no name"));
     }

@@ -315,12 +315,17 @@ impl SceneBuilder {
         // From here on the scene may refer to the data, so the data is stored whatever happens next.
         self.inner.data.push(data);
         self.inner.features = self.inner.features.union(features);
-        // SAFETY: scene and geometry are of the same device, and `self` alone has the scene.
-        let id = device.guarded(&self.cancel, || unsafe { sys::rtcAttachGeometry(self.inner.raw, geometry.0) })?;
-        if id == ray::INVALID {
-            return Err(Error::new(ErrorKind::Device, "Embree has no room for another geometry"));
-        }
+        // The number by which `data` has it.
+        let id = u32::try_from(self.inner.data.len() - 1).ok().filter(|id| *id != ray::INVALID);
+        let id = id.ok_or_else(|| Error::new(ErrorKind::Device, "Embree has no room for another geometry"))?;
+        // SAFETY: scene and geometry are of the same device, `self` alone has the scene, and no geometry has this number.
+        device.guarded(&self.cancel, || unsafe { sys::rtcAttachGeometryByID(self.inner.raw, geometry.0, id) })?;
         Ok(GeometryId(id))
+    }
+
+    /// Leaves out the next `count` numbers of geometries.
+    pub(crate) fn skip(&mut self, count: usize) {
+        self.inner.data.extend(std::iter::repeat_with(|| GeometryData::None).take(count));
     }
 
     /// Builds the hierarchy.

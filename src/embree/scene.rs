@@ -53,6 +53,8 @@ pub(super) enum GeometryData {
     Spheres(Vec<[f32; 4]>),
     User(Arc<dyn ErasedUserData>),
     Instance(Scene),
+    /// No geometry has the number.
+    None,
 }
 
 impl GeometryData {
@@ -63,6 +65,7 @@ impl GeometryData {
             Self::Spheres(spheres) => spheres.len(),
             Self::User(user) => user.len(),
             Self::Instance(_) => 1,
+            Self::None => 0,
         }
     }
 }
@@ -247,7 +250,7 @@ impl Scene {
             GeometryData::Triangles(mesh) => mesh.memory_bytes(),
             GeometryData::Spheres(spheres) => size_of_val(&spheres[..]),
             GeometryData::User(user) => user.memory_bytes(),
-            GeometryData::Instance(_) => 0,
+            GeometryData::Instance(_) | GeometryData::None => 0,
         });
         self.inner.bvh_bytes + buffers.sum::<usize>()
     }
@@ -282,7 +285,7 @@ impl Scene {
                     }
                 }
                 GeometryData::Instance(scene) => scene.check()?,
-                GeometryData::Triangles(_) | GeometryData::Spheres(_) => {}
+                GeometryData::Triangles(_) | GeometryData::Spheres(_) | GeometryData::None => {}
             }
         }
         Ok(())

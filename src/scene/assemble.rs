@@ -9,11 +9,12 @@ use super::bindings::UnboundGeometry;
 use super::cache::MAX_CACHED_TRIANGLES;
 use super::cost;
 use super::geometry::{Geometry, Part};
+use super::groups::{self, GroupObject, WholePlacement, group_address};
 use super::instance_transform::InstancePath;
 use super::interaction::Triangles;
 use super::lower::{self, Lowered, MeshUse};
-use super::mesh::{self, MeshObject};
-use super::record::{BuildFacts, GeometryRecord, ObjectKey, address};
+use super::mesh;
+use super::record::{BuildFacts, GeometryRecord, ObjectKey, Objects, address};
 use super::singles::{self, OWN_HIERARCHY, Singles};
 use super::{BuildOptions, assemble_moving, bindings, frame};
 use crate::camera::Camera;
@@ -83,7 +84,7 @@ pub(super) fn assemble(
     let embree = SceneBuilder::cancellable(device, SceneOptions::default(), &progress.cancel)?;
     let copied = lowered.copied.first().map(|&first| (lowered.copied.len(), desc.surfaces[first].path.clone()));
     let facts = BuildFacts { bounds: lowered.bounds, copied, ..BuildFacts::default() };
-    let known = old.map_or_else(HashMap::new, |old| old.objects.clone());
+    let known = old.map_or_else(Objects::default, |old| old.objects.clone());
     let old_singles = old.map_or_else(Singles::default, |old| singles::still_serving(old, desc, centre));
     let mut assembler = Assembler {
         desc,
@@ -105,6 +106,7 @@ pub(super) fn assemble(
         assembler.flat_mesh(mesh_use)?;
     }
     assembler.instances(&lowered.instances)?;
+    assembler.wholes(&lowered.wholes)?;
     assembler.moving(&lowered.moving)?;
     let (list, list_surfaces) = assembler.shapes(&lowered, options.listed_shapes.unwrap_or(LISTED_SHAPES))?;
     assembler.finish(list, list_surfaces)
@@ -119,7 +121,7 @@ fn first_guess(desc: &SceneDesc, old: Option<&GeometryRecord>) -> f64 {
             && let Some(mesh) = desc.meshes.get(mesh)
             && !surface.hidden
             && seen.insert((address(mesh), smooth))
-            && !old.is_some_and(|old| old.objects.contains_key(&(address(mesh), smooth)))
+            && !old.is_some_and(|old| old.objects.meshes.contains_key(&(address(mesh), smooth)))
         {
             let triangles = mesh.triangle_count() as f64;
             units += mesh::bounds_cost(mesh) + mesh::place_cost(mesh, smooth) + cost::HIERARCHY * triangles;
@@ -134,8 +136,8 @@ pub(super) struct Assembler<'a, 'p> {
     pub(super) progress: &'a WorkProgress<'p>,
     pub(super) centre: DVec3,
     pub(super) embree: SceneBuilder,
-    /// Meshes that already have a hierarchy. The map grows during assembly.
-    known: HashMap<ObjectKey, Arc<MeshObject>>,
+    /// Meshes and groups that already have a hierarchy. The maps grow during assembly.
+    known: Objects,
     /// Hierarchies of single surfaces that are still those of the description.
     pub(super) old_singles: Singles,
     /// Hierarchies of single surfaces in this scene.
@@ -175,12 +177,12 @@ impl Assembler<'_, '_> {
         }
         let mut seen = HashSet::new();
         for mesh_use in &lowered.instances {
-            if !self.known.contains_key(&self.key(mesh_use)) && seen.insert(self.key(mesh_use)) {
+            if !self.known.meshes.contains_key(&self.key(mesh_use)) && seen.insert(self.key(mesh_use)) {
                 let mesh = self.mesh(mesh_use);
                 units += mesh::place_cost(mesh, mesh_use.smooth) + cost::HIERARCHY * mesh.triangle_count() as f64;
             }
         }
-        units
+        units + groups::cost(self.desc, &lowered.wholes, &self.known.groups)
     }
 
     /// Adds all triangles and quads as one geometry.
@@ -288,13 +290,13 @@ impl Assembler<'_, '_> {
     ) -> Result<()> {
         self.progress.cancel.check()?;
         let key = self.key(mesh_use);
-        let object = match self.known.get(&key) {
+        let object = match self.known.meshes.get(&key) {
             Some(object) => Arc::clone(object),
             None => {
                 let mesh = self.mesh(mesh_use);
                 let bounds = self.mesh_bounds.get(&key.0).copied().unwrap_or_default();
                 let object = Arc::new(mesh::object(mesh, bounds, mesh_use.smooth, self.device, self.progress)?);
-                self.known.insert(key, Arc::clone(&object));
+                self.known.meshes.insert(key, Arc::clone(&object));
                 object
             }
         };
@@ -322,8 +324,60 @@ impl Assembler<'_, '_> {
         self.geometries.push(Geometry::Instance {
             triangles: triangles.clone(),
             surface: mesh_use.surface as u32,
-            instance_path: Box::new(InstancePath::new(&steps)),
+            instance_path: Arc::new(InstancePath::new(&steps)),
         });
+        Ok(())
+    }
+
+    /// Adds the placements of groups that are instances as wholes. The hierarchy of each group is built once.
+    fn wholes(&mut self, wholes: &[WholePlacement]) -> Result<()> {
+        let mut counted = HashSet::new();
+        for whole in wholes {
+            self.progress.cancel.check()?;
+            let placement = whole.desc(self.desc);
+            let address = group_address(whole.group(self.desc));
+            let object = match self.known.groups.get(&address).filter(|known| known.serves(self.desc, whole)) {
+                Some(object) => Arc::clone(object),
+                None => {
+                    let object = GroupObject::new(self.desc, whole, &self.mesh_bounds, self.device, self.progress)?;
+                    let object = Arc::new(object);
+                    self.known.groups.insert(address, Arc::clone(&object));
+                    object
+                }
+            };
+            let is_new = counted.insert(address);
+            let first = placement.surfaces.start;
+            if is_new {
+                let path = |member: &usize| self.desc.surfaces[first + member].path.clone();
+                self.facts.dropped.extend(object.dropped.iter().map(|(member, count)| (*count, path(member))));
+            }
+            let Some((scene, parts)) = &object.content else { continue };
+            let to_scene = DAffine3::from_translation(-self.centre) * placement.transform * object.to_group;
+            self.embree.add_instance(scene, &to_scene).map_err(|error| error.at(&placement.path))?;
+            // The kernel numbers the parts of an instance from that of the instance on.
+            self.embree.skip(parts.len() - 1);
+            self.facts.instances += 1;
+            if is_new {
+                let count: usize = parts.iter().map(|(_, triangles)| triangles.mesh.indices().len()).sum();
+                self.facts.shared_triangles += count;
+                self.facts.geometry_bytes += parts.iter().map(|(_, it)| it.memory_bytes()).sum::<usize>();
+                self.facts.embree_bytes += scene.hierarchy_bytes();
+                self.facts.smooth_meshes += parts.iter().filter(|(_, it)| it.normals.is_some()).count();
+            }
+            let instance_path = Arc::new(InstancePath::new(&[to_scene]));
+            for (member, triangles) in parts {
+                let (triangles, surface) = (triangles.clone(), (first + member) as u32);
+                let instance_path = Arc::clone(&instance_path);
+                self.geometries.push(Geometry::Instance { triangles, surface, instance_path });
+            }
+        }
+        if !wholes.is_empty() {
+            self.facts.whole_placements = wholes.len();
+            self.facts.decisions.push(format!(
+                "{} placements are instances of whole groups, each of whose meshes are in one hierarchy",
+                wholes.len()
+            ));
+        }
         Ok(())
     }
 
@@ -380,7 +434,9 @@ impl Assembler<'_, '_> {
             _ => None,
         };
         let named: HashSet<ObjectKey> = self.desc.surfaces.iter().filter_map(named).collect();
-        self.known.retain(|key, _| named.contains(key));
+        self.known.meshes.retain(|key, _| named.contains(key));
+        let groups: HashSet<usize> = self.desc.groups.iter().map(group_address).collect();
+        self.known.groups.retain(|address, _| groups.contains(address));
         let record = GeometryRecord::new(
             self.desc,
             &self.mesh_bounds,

@@ -177,7 +177,11 @@ impl Scene {
             }
             Geometry::Instance { triangles, surface, instance_path } => {
                 let tangent = of(triangles, *surface)?;
-                instance_path.with_transform(time, |transform| transform.to_scene.matrix3 * tangent)
+                // The frame of an instance that rests may be that of a group.
+                match instance_path.rests() {
+                    true => self.record.placed(*surface)?.1.matrix3 * tangent,
+                    false => instance_path.with_transform(time, |transform| transform.to_scene.matrix3 * tangent),
+                }
             }
             Geometry::Loose { .. } | Geometry::Analytic { .. } => return None,
         };

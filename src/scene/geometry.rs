@@ -26,8 +26,8 @@ pub(super) enum Geometry {
     Loose { triangles: Triangles, parts: Arc<[Part]>, cache: Option<TriangleCache> },
     /// A mesh in the scene frame. Where it is moved there by a transform that changes with time, `moved` is that transform.
     Flat { triangles: Triangles, surface: u32, cache: Option<TriangleCache>, moved: Option<Box<InstancePath>> },
-    /// A mesh in its own frame, placed by an instance transform, which may change with time.
-    Instance { triangles: Triangles, surface: u32, instance_path: Box<InstancePath> },
+    /// A mesh in its own frame or in that of its group, placed by an instance transform, which may change with time.
+    Instance { triangles: Triangles, surface: u32, instance_path: Arc<InstancePath> },
     /// Analytic shapes as user geometry, with the number of the surface of each.
     Analytic { shapes: Arc<AnalyticGeometry>, surfaces: Arc<[u32]> },
 }

@@ -10,7 +10,7 @@ pub struct Hit {
     pub(super) u: f32,
     pub(super) v: f32,
     pub(super) primitive: u32,
-    /// Number of the geometry or instance in the Embree scene, or [`IN_LIST`].
+    /// Number of the geometry in the Embree scene, or that of the instance plus the number in it, or [`IN_LIST`].
     pub(super) geometry: u32,
 }
 
@@ -32,9 +32,8 @@ impl Hit {
 impl From<embree::Hit> for Hit {
     #[inline]
     fn from(hit: embree::Hit) -> Self {
-        // A hit on an instance is identified by the instance's number, since an instance's only geometry has the number
-        // 0.
-        let geometry = if hit.inst == embree::Hit::NO_INSTANCE { hit.geom } else { hit.inst };
+        // The geometries of an instance have the numbers from that of the instance on. Most instances have one.
+        let geometry = if hit.inst == embree::Hit::NO_INSTANCE { hit.geom } else { hit.inst + hit.geom };
         Self { t: hit.t, u: hit.u, v: hit.v, primitive: hit.prim, geometry }
     }
 }

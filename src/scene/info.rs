@@ -89,13 +89,14 @@ impl SceneInfo {
             decisions.push(format!("{} surfaces move or deform while the shutter is open", facts.moving));
         }
         let hosted = facts.host_instances;
+        let elsewhere = hosted + facts.whole_placements;
         if record.is_dynamic {
             decisions.push(format!(
                 "geometry is edited: {} uses of larger meshes are instances, which edits elsewhere leave alone",
-                facts.instances - hosted
+                facts.instances - elsewhere
             ));
-        } else if facts.instances > hosted {
-            let shared = facts.instances - hosted;
+        } else if facts.instances > elsewhere {
+            let shared = facts.instances - elsewhere;
             decisions.push(format!("{shared} uses of large shared meshes are instances of one copy each"));
         }
         if hosted > 0 {

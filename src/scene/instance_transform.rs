@@ -74,6 +74,11 @@ impl InstancePath {
         Self { start, steps }
     }
 
+    /// Whether the instance does not move.
+    pub(super) fn rests(&self) -> bool {
+        self.steps.is_empty()
+    }
+
     /// The transform at time 0.
     pub(super) fn start(&self) -> &InstanceTransform {
         &self.start

@@ -4,10 +4,11 @@
 //! All coordinates are in double precision and in the world frame. The builder shifts them to the scene frame and
 //! rounds them.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use super::geometry::Part;
+use super::groups::{self, WholePlacement};
 use super::instance_transform::inverts_well;
 use super::lower_moving::{self, MovingSurface};
 use crate::Cancel;
@@ -16,12 +17,12 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::math::{Bounds, DAffine3, DVec3, similarity_scale};
 
 /// A mesh of more triangles than this is instanced rather than copied when it is used more than once.
-const INSTANCE_TRIANGLES: usize = 10_000;
+pub(super) const INSTANCE_TRIANGLES: usize = 10_000;
 
 /// In a scene whose geometry changes, a mesh of more triangles than this has a hierarchy of its own, which edits of
 /// other surfaces leave as it is. Smaller meshes are faster copied than instanced, because every ray that hits an
 /// instance's box is transformed, which costs about as much as a few levels of a hierarchy.
-const OBJECT_TRIANGLES: usize = 128;
+pub(super) const OBJECT_TRIANGLES: usize = 128;
 
 /// Bound on the coordinates of a scene. It is half of the bound that Embree takes, because the scene frame may be
 /// shifted by as much again.
@@ -36,6 +37,8 @@ pub(super) struct Lowered {
     pub meshes: Vec<MeshUse>,
     /// Meshes to be instanced.
     pub instances: Vec<MeshUse>,
+    /// Placements of groups whose meshes are instances as wholes.
+    pub wholes: Vec<WholePlacement>,
     /// Surfaces in `meshes` that would be instances if the kernel could invert their transforms.
     pub copied: Vec<usize>,
     /// Spheres, disks and quadrics.
@@ -73,12 +76,14 @@ pub(super) fn lower(
     cancel: &Cancel,
     mut bounds_of: impl FnMut(&Arc<MeshDesc>) -> Result<Bounds>,
 ) -> Result<Lowered> {
-    let mut lowered = Lowered::default();
+    let mut lowered = Lowered { wholes: groups::wholes(desc, is_dynamic), ..Lowered::default() };
+    let in_whole: HashSet<usize> = lowered.wholes.iter().flat_map(|whole| whole.surfaces(desc)).collect();
     let mut uses: HashMap<(usize, bool), usize> = HashMap::new();
-    for surface in &desc.surfaces {
+    for (number, surface) in desc.surfaces.iter().enumerate() {
         if let ShapeDesc::Mesh { mesh, smooth } = surface.shape
             && surface.emission.is_none()
             && !surface.hidden
+            && !in_whole.contains(&number)
         {
             *uses.entry((mesh, smooth)).or_default() += 1;
         }
@@ -121,13 +126,17 @@ pub(super) fn lower(
                 let is_large = is_shared && count > INSTANCE_TRIANGLES || is_dynamic && count > OBJECT_TRIANGLES;
                 // Emitters are in the scene frame, so a mesh that emits is copied there, even a host's mesh. A mesh is
                 // also copied if its transform cannot be inverted accurately enough for the kernel to find it.
-                let wanted = surface.emission.is_none() && (is_large || description.host.is_some());
+                let wanted = surface.emission.is_none()
+                    && (is_large || description.host.is_some())
+                    && !in_whole.contains(&number);
                 let instanced = wanted && inverts_well(&to_world);
                 if wanted && !instanced {
                     lowered.copied.push(number);
                 }
                 let target = if instanced { &mut lowered.instances } else { &mut lowered.meshes };
-                target.push(MeshUse { mesh, smooth, surface: number });
+                if !in_whole.contains(&number) {
+                    target.push(MeshUse { mesh, smooth, surface: number });
+                }
                 // The box of a transformed box is larger than necessary. The difference moves the centre only slightly,
                 // which is harmless.
                 bounds_of(description)?.transformed(&to_world)
@@ -183,8 +192,7 @@ fn check_volumes(desc: &SceneDesc, lowered: &Lowered, cancel: &Cancel) -> Result
         let mesh = mesh_of(desc, surface, mesh_use.mesh)?;
         // Rays are intersected with an instance in the instance's own frame.
         let (frame, across) = if is_instance {
-            let shrink = surface.to_world().matrix3.inverse().to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt();
-            (DAffine3::IDENTITY, across * shrink)
+            (DAffine3::IDENTITY, across * shrink(&surface.to_world()))
         } else {
             (surface.to_world(), across)
         };
@@ -193,7 +201,26 @@ fn check_volumes(desc: &SceneDesc, lowered: &Lowered, cancel: &Cancel) -> Result
             return lost(mesh_use.surface, format!("triangle {triangle} of {}", mesh.name));
         }
     }
+    for whole in &lowered.wholes {
+        let across = across * shrink(&whole.desc(desc).transform);
+        for (surface, member) in whole.surfaces(desc).zip(&*whole.members) {
+            cancel.check()?;
+            let ShapeDesc::Mesh { mesh, .. } = desc.surfaces[surface].shape else { continue };
+            let mesh = mesh_of(desc, &desc.surfaces[surface], mesh)?;
+            let frame = whole.group(desc).members[*member].to_world();
+            let corners =
+                |i| mesh.triangle(i).map(|corner: u32| frame.transform_point3(mesh.position(corner as usize)));
+            if let Some(triangle) = (0..mesh.triangle_count()).find(|&i| is_lost(corners(i), across)) {
+                return lost(surface, format!("triangle {triangle} of {}", mesh.name));
+            }
+        }
+    }
     Ok(())
+}
+
+/// How many times as long a distance of the world is in the frame of an instance, at most.
+fn shrink(to_world: &DAffine3) -> f64 {
+    to_world.matrix3.inverse().to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 /// Returns the box around the corners. Where a corner is not finite, the box is empty and is refused later; NaN would

@@ -9,7 +9,7 @@ use super::lower;
 use crate::buffer::Buffer;
 use crate::control::WorkProgress;
 use crate::desc::{HostMesh, MeshDesc};
-use crate::embree::{self, Device, GeometryId, MAX_COORDINATE, SceneBuilder, SceneOptions, TriangleMesh, VertexBuffer};
+use crate::embree::{self, Device, MAX_COORDINATE, SceneBuilder, SceneOptions, TriangleMesh, VertexBuffer};
 use crate::error::{Error, Result};
 use crate::math::{Bounds, DAffine3, DMat3, DVec3, Vec3};
 use crate::room::{filled, with_room};
@@ -268,11 +268,11 @@ pub(super) fn object(
 }
 
 /// Builds a hierarchy of its own for what `add` adds to it, which has `count` primitives.
-pub(super) fn hierarchy(
+pub(super) fn hierarchy<T>(
     count: usize,
     device: &Device,
     progress: &WorkProgress,
-    add: impl FnOnce(&mut SceneBuilder) -> Result<GeometryId>,
+    add: impl FnOnce(&mut SceneBuilder) -> Result<T>,
 ) -> Result<embree::Scene> {
     let mut builder = SceneBuilder::cancellable(device, SceneOptions::default(), &progress.cancel)?;
     add(&mut builder)?;

@@ -26,6 +26,7 @@ mod faces;
 mod facets;
 mod frame;
 mod geometry;
+mod groups;
 mod hit;
 mod info;
 mod instance_transform;

@@ -50,7 +50,7 @@ impl Scene {
                 let mut object = SceneBuilder::new(&self.device, SceneOptions::default()).unwrap();
                 object.add_triangles(triangles.mesh.clone()).unwrap();
                 builder.add_moving_instance(&object.commit(None).unwrap(), &steps).unwrap();
-                Geometry::Instance { triangles, surface: *surface, instance_path: Box::new(InstancePath::new(&steps)) }
+                Geometry::Instance { triangles, surface: *surface, instance_path: Arc::new(InstancePath::new(&steps)) }
             }
             Geometry::Flat { triangles, surface, .. } => {
                 let mut triangles = triangles.clone();

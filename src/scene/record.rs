@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Weak};
 
+use super::groups::GroupObjects;
 use super::mesh::MeshObject;
 use super::singles::Singles;
 use super::textured_emission::{binding_of, texture_of_light};
@@ -23,13 +24,21 @@ pub(super) fn address(mesh: &Arc<MeshDesc>) -> usize {
     Arc::as_ptr(mesh).addr()
 }
 
+/// What has a hierarchy of its own.
+#[derive(Clone, Default)]
+pub(super) struct Objects {
+    /// Meshes: those in use, and those of hidden surfaces that were in use before.
+    pub meshes: HashMap<ObjectKey, Arc<MeshObject>>,
+    /// Groups that are placed as wholes, and those that were before.
+    pub groups: GroupObjects,
+}
+
 /// The description from which the geometry of a scene was built. The record stays the same object as long as the
 /// geometry is unchanged.
 pub(super) struct GeometryRecord {
     surfaces: Vec<SurfaceKey>,
     meshes: Vec<KnownMesh>,
-    /// Meshes with hierarchies of their own: those in use, and those of hidden surfaces that were in use before.
-    pub objects: HashMap<ObjectKey, Arc<MeshObject>>,
+    pub objects: Objects,
     /// The number of the surface of each shape in the list.
     pub list_surfaces: Vec<u32>,
     pub facts: BuildFacts,
@@ -44,6 +53,7 @@ pub(super) struct BuildFacts {
     pub triangles: usize,
     pub instances: usize,
     pub host_instances: usize,
+    pub whole_placements: usize,
     pub shared_triangles: usize,
     pub listed_shapes: usize,
     pub embree_shapes: usize,
@@ -107,7 +117,7 @@ impl GeometryRecord {
     pub(super) fn new(
         desc: &SceneDesc,
         bounds: &HashMap<usize, Bounds>,
-        objects: HashMap<ObjectKey, Arc<MeshObject>>,
+        objects: Objects,
         list_surfaces: Vec<u32>,
         facts: BuildFacts,
         is_dynamic: bool,

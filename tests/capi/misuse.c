@@ -16,6 +16,7 @@ etd_film *film;
 etd_task *task;
 etd_atlas *atlas;
 uint32_t mesh_number;
+static uint32_t group_number;
 
 /* The film as it was saved. */
 static char saved_film[1 << 16];
@@ -414,6 +415,47 @@ static etd_status n_scene_find_mesh(void) {
 static etd_status n_scene_find_surface(void) {
     uint32_t *number = AT(2, output(sizeof *number));
     return CALL(etd_scene_find_surface(SCENE(0), AT(1, "surfaces[0]"), number));
+}
+static etd_status n_scene_add_group(void) {
+    const uint32_t surfaces[2] = {1, 2};
+    uint32_t *number = AT(3, output(sizeof *number));
+    static unsigned count;
+    char name[32];
+    snprintf(name, sizeof name, "group %u", ++count);
+    return CALL(etd_scene_add_group(SCENE(0), AT(1, name), AT(2, surfaces), 2, number));
+}
+/* What is placed goes at once, since not all renders take many surfaces. */
+static etd_status n_scene_place_group(void) {
+    uint32_t *number = AT(2, output(sizeof *number));
+    uint32_t *first = AT(3, output(sizeof *first));
+    const etd_status status = CALL(etd_scene_place_group(SCENE(0), group_number, AT(1, ones), number, first));
+    if (status == ETD_OK) {
+        CHECK_OK(etd_scene_remove_placement(scene, *number));
+    }
+    return status;
+}
+static etd_status n_scene_set_placement_transform(void) {
+    return CALL(etd_scene_set_placement_transform(SCENE(0), 0, AT(1, ones)));
+}
+static etd_status n_scene_set_placement_motion(void) {
+    etd_motion_key key = ETD_MOTION_KEY_INIT;
+    return CALL(etd_scene_set_placement_motion(SCENE(0), 0, AT(1, &key), 1));
+}
+static etd_status n_scene_get_placement(void) {
+    uint32_t *group = AT(1, output(sizeof *group));
+    uint32_t *first = AT(2, output(sizeof *first));
+    uint32_t *many = AT(3, output(sizeof *many));
+    double *transform = AT(4, output(12 * sizeof *transform));
+    return CALL(etd_scene_get_placement(SCENE(0), 0, group, first, many, transform));
+}
+static etd_status n_scene_remove_placement(void) {
+    static uint32_t placed;
+    CHECK_OK(etd_scene_place_group(scene, group_number, NULL, &placed, NULL));
+    return CALL(etd_scene_remove_placement(SCENE(0), placed));
+}
+static etd_status n_scene_find_group(void) {
+    uint32_t *number = AT(2, output(sizeof *number));
+    return CALL(etd_scene_find_group(SCENE(0), AT(1, "pair"), number));
 }
 static etd_status n_scene_add_mesh(void) {
     etd_mesh mesh = small_mesh();
@@ -1030,6 +1072,13 @@ static const struct {
     {"etd_scene_find_material", n_scene_find_material, 3, 7, 1},
     {"etd_scene_find_mesh", n_scene_find_mesh, 3, 7, 1},
     {"etd_scene_find_surface", n_scene_find_surface, 3, 7, 1},
+    {"etd_scene_add_group", n_scene_add_group, 4, 13, 1},
+    {"etd_scene_place_group", n_scene_place_group, 4, 5, 1},
+    {"etd_scene_set_placement_transform", n_scene_set_placement_transform, 2, 3, 1},
+    {"etd_scene_set_placement_motion", n_scene_set_placement_motion, 2, 3, 1},
+    {"etd_scene_get_placement", n_scene_get_placement, 5, 1, 1},
+    {"etd_scene_remove_placement", n_scene_remove_placement, 1, 1, 1},
+    {"etd_scene_find_group", n_scene_find_group, 3, 7, 1},
     {"etd_scene_add_mesh", n_scene_add_mesh, 3, 7, 1},
     {"etd_scene_add_mesh_file", n_scene_add_mesh_file, 4, 13, 1},
     {"etd_scene_add_mesh_file_with_progress", n_scene_add_mesh_file_with_progress, 5, 21, 1},
@@ -1214,8 +1263,16 @@ int main(int count, char **arguments) {
         CHECK_OK(etd_atlas_new(scene, &layout, &atlas));
     }
 
+    {
+        const uint32_t surfaces[2] = {0, 1};
+        uint32_t placed = 9;
+        CHECK_OK(etd_scene_add_group(scene, "pair", surfaces, 2, &group_number));
+        CHECK_OK(etd_scene_place_group(scene, group_number, NULL, &placed, NULL));
+        CHECK(placed == 0);
+    }
     pass_null();
     pass_wrong_handles();
+    CHECK_OK(etd_scene_remove_placement(scene, 0));
     misuse_values();
     misuse_cameras();
     misuse_motion();

@@ -113,6 +113,99 @@ static void arrays_are_shared(void) {
     CHECK(releases == 1);
 }
 
+/* ------------------------------------------------------------------------------------------------------------------ */
+/* Groups of surfaces */
+
+static const double identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+
+/* The surface that a ray down the z axis meets at x, and its material. */
+static uint32_t seen_at(etd_scene *in, float x, uint32_t *material) {
+    etd_ray ray = {{0, 0, 50}, 0, {0, 0, -1}, 100};
+    etd_hit hit;
+    ray.origin[0] = x;
+    CHECK_OK(etd_scene_commit(in, NULL, NULL));
+    CHECK_OK(etd_scene_intersect(in, &ray, 1, &hit));
+    if (material != NULL) {
+        *material = hit.material;
+    }
+    return hit.surface;
+}
+
+static void groups_are_placed(void) {
+    etd_device *on = new_device(1);
+    etd_scene *of = new_scene(on);
+    double moved[12], got[12];
+    const double middle[3] = {0, 0, 0}, aside[3] = {2, 0, 0};
+    etd_surface ball = matt();
+    etd_material red = ETD_MATERIAL_INIT;
+    etd_motion_key keys[2] = {ETD_MOTION_KEY_INIT, ETD_MOTION_KEY_INIT};
+    uint32_t parts[3], wrong[2], group = 9, more = 9, placed = 9, again = 9, first = 9, count = 9, material = 9, number = 9;
+    memcpy(moved, identity, sizeof moved);
+    moved[3] = 10;
+    CHECK_OK(etd_scene_add_material(of, "red", &red, &number));
+    CHECK_OK(etd_scene_add_sphere(of, middle, 0.5, &ball, &parts[0]));
+    CHECK_OK(etd_scene_add_sphere(of, aside, 0.5, &ball, &parts[1]));
+    CHECK_OK(etd_scene_add_group(of, "two", parts, 2, &group));
+    CHECK_OK(etd_scene_find_group(of, "two", &more));
+    CHECK(group == 0 && more == 0);
+    CHECK_OK(etd_scene_place_group(of, group, moved, &placed, &first));
+    CHECK(placed == 0 && first == parts[1] + 1);
+    CHECK(seen_at(of, 10, &material) == first && material == ball.material && seen_at(of, 12, NULL) == first + 1);
+
+    /* One placement looks otherwise; the group and the surfaces that it was made of stay what they are. */
+    CHECK_OK(etd_scene_set_surface_material(of, first, number));
+    CHECK(seen_at(of, 10, &material) == first && material == number);
+    CHECK_OK(etd_scene_remove_surface(of, parts[0]));
+    moved[3] = -10;
+    CHECK_OK(etd_scene_place_group(of, group, moved, &again, NULL));
+    CHECK(seen_at(of, -10, &material) == first + 2 && material == ball.material && seen_at(of, 0, NULL) != parts[0]);
+    CHECK_OK(etd_scene_get_placement(of, again, &more, &first, &count, got));
+    CHECK(more == group && first == parts[1] + 3 && count == 2 && got[3] == -10 && got[0] == 1);
+
+    /* Moved as a whole, and a group of a placement. */
+    moved[3] = 20;
+    CHECK_OK(etd_scene_set_placement_transform(of, again, moved));
+    CHECK(seen_at(of, -10, NULL) == ETD_NONE && seen_at(of, 22, NULL) == first + 1);
+    parts[0] = first;
+    parts[2] = first + 1;
+    CHECK_OK(etd_scene_add_group(of, NULL, parts, 3, &more));
+    moved[3] = 10;
+    CHECK_OK(etd_scene_place_group(of, more, moved, &number, &first));
+    CHECK(more == 1 && seen_at(of, 32, NULL) == first + 2);
+    CHECK_OK(etd_scene_remove_placement(of, number));
+    CHECK(seen_at(of, 32, NULL) == ETD_NONE);
+    CHECK_STATUS(etd_scene_get_placement(of, number, &more, NULL, NULL, NULL), ETD_INVALID_ARGUMENT);
+    CHECK_STATUS(etd_scene_remove_placement(of, number), ETD_INVALID_ARGUMENT);
+    CHECK_STATUS(etd_scene_set_placement_transform(of, number, identity), ETD_INVALID_ARGUMENT);
+
+    /* All surfaces of a placement move, and those of a group do not. */
+    keys[1].time = 1;
+    keys[1].translation[0] = 1;
+    CHECK_OK(etd_scene_set_placement_motion(of, placed, keys, 2));
+    CHECK_OK(etd_scene_get_placement(of, placed, NULL, &wrong[0], NULL, NULL));
+    CHECK_STATUS(etd_scene_add_group(of, NULL, wrong, 1, &number), ETD_UNSUPPORTED);
+    CHECK(strstr(etd_last_error_message(), "rest in its frame") != NULL);
+    CHECK_OK(etd_scene_set_placement_motion(of, placed, NULL, 0));
+    CHECK_OK(etd_scene_add_group(of, NULL, wrong, 1, &number));
+
+    /* What is refused changes nothing. */
+    number = 77;
+    CHECK_OK(etd_scene_remove_surface(of, parts[0]));
+    CHECK_STATUS(etd_scene_add_group(of, NULL, parts, 1, &number), ETD_INVALID_SCENE);
+    wrong[1] = 999;
+    CHECK_STATUS(etd_scene_add_group(of, NULL, wrong, 2, &number), ETD_INVALID_ARGUMENT);
+    CHECK_STATUS(etd_scene_add_group(of, "two", wrong, 1, &number), ETD_INVALID_SCENE);
+    CHECK_STATUS(etd_scene_add_group(of, NULL, wrong, 0, &number), ETD_INVALID_ARGUMENT);
+    CHECK_STATUS(etd_scene_place_group(of, 99, NULL, &number, NULL), ETD_INVALID_ARGUMENT);
+    moved[0] = 0;
+    CHECK_STATUS(etd_scene_place_group(of, group, moved, &number, NULL), ETD_INVALID_SCENE);
+    memset(moved, 0, sizeof moved);
+    CHECK_STATUS(etd_scene_place_group(of, group, moved, &number, NULL), ETD_INVALID_ARGUMENT);
+    CHECK(number == 77 && seen_at(of, 12, NULL) == parts[1] + 2);
+    etd_scene_release(of);
+    etd_device_release(on);
+}
+
 static void picture(etd_device *on, etd_scene *of, float pixels[PIXELS(8, 8)]) {
     const etd_render_options options = short_render(4);
     etd_film *to = new_film(on, 8, 8, 0);
@@ -531,6 +624,7 @@ static void mesh_files_are_watched(int quick) {
 
 void misuse_hosts(int quick) {
     arrays_are_shared();
+    groups_are_placed();
     steps_are_shared();
     meshes_are_exchanged();
     films_get_another_size();

@@ -1217,7 +1217,7 @@ fn surfaces(l: &mut List) {
         "mistyped geometry",
         "{\n@\"geometry\": \"spere\"}",
         "surfaces[1].geometry: unknown geometry 'spere', expected one of sphere, \
-         triangle, quad, mesh, quadric, cylinder, cone, disk, ellipsoid, paraboloid; did you mean 'sphere'?",
+         triangle, quad, mesh, quadric, cylinder, cone, disk, ellipsoid, paraboloid, group; did you mean 'sphere'?",
     );
     l.surface(
         "geometry twice",
@@ -1455,6 +1455,75 @@ fn meshes(l: &mut List) {
         "mesh name twice",
         &format!("\"meshes\": [{shared},\n{}]", shared.replace("\"name\"", "\n@\"name\"")),
         "meshes[1].name: the mesh name 'a' is given twice",
+    );
+    groups(l);
+}
+
+fn groups(l: &mut List) {
+    let ball = "{\"geometry\": \"sphere\", \"origin\": [0, 0, 0], \"radius\": 1, \"material\": \"white\"}";
+    let group = |more: &str| format!("\"groups\": [{{\"name\": \"a\", {more}}}]");
+    let one = group(&format!("\"surfaces\": [{ball}]"));
+    let placed = |more: &str| format!("{one},\n\"surfaces\": [{{\"geometry\": \"group\", {more}}}]");
+    let moving = ball.replace('}', ",\n\"motion\": [{\"time\": 0}, {\"time\": 1, \"translate\": [1, 0, 0]}]}");
+    for (name, text, expected) in [
+        ("group without name", format!("\"groups\": [\n@{{\"surfaces\": [{ball}]}}]"), "groups[0]: missing key `name`"),
+        (
+            "group with an empty name",
+            format!("\"groups\": [{{\"surfaces\": [{ball}],\n@\"name\": \"\"}}]"),
+            "groups[0].name: the name is empty",
+        ),
+        ("group without surfaces", group("\n@\"surfaces\": []"), "groups[0].surfaces: the group is empty"),
+        (
+            "group with an unknown key",
+            group(&format!("\"surfaces\": [{ball}],\n@\"x\": 1")),
+            "groups[0].x: unknown key `x`",
+        ),
+        (
+            "surface of a group that is wrong",
+            group(&format!("\"surfaces\": [{}]", ball.replace("\"radius\": 1", "\n@\"radius\": -1"))),
+            "groups[0].surfaces[0].radius: -1 is not above 0",
+        ),
+        (
+            "surface of a group that moves",
+            group(&format!("\"surfaces\": [{}]", moving.replace("\"motion\"", "@\"motion\""))),
+            "groups[0].surfaces[0].motion: the surfaces of a group rest",
+        ),
+        (
+            "group of itself",
+            group("\"surfaces\": [{\"geometry\": \"group\",\n@\"group\": \"a\"}]"),
+            "groups[0].surfaces[0].group: no group named 'a'",
+        ),
+        ("unknown group", placed("\n@\"group\": \"b\""), "surfaces[0].group: no group named 'b'"),
+        (
+            "placement without group",
+            format!("{one},\n\"surfaces\": [\n@{{\"geometry\": \"group\"}}]"),
+            "surfaces[0]: missing key `group`",
+        ),
+        (
+            "placement with a material",
+            placed("\"group\": \"a\",\n@\"material\": \"white\""),
+            "surfaces[0].material: unknown key `material`",
+        ),
+        (
+            "placement that is flat",
+            placed("\"group\": \"a\",\n\"transform\": {\n@\"scale\": [1, 0, 1]}"),
+            "surfaces[0].transform.scale: a scale of 0 flattens the object",
+        ),
+        (
+            "placement too far away",
+            placed("\"group\": \"a\",\n\"transform\": {\"scale\": 1e37, \"translate\": [3.4e38, 0, 0]}")
+                .replace("\"surfaces\": [{\"geometry\": \"group\"", "\"surfaces\": [\n@{\"geometry\": \"group\""),
+            "surfaces[0]",
+        ),
+    ] {
+        l.top(name, &text, expected);
+    }
+    l.top(
+        "group name twice",
+        &format!(
+            "\"groups\": [{{\"name\": \"a\", \"surfaces\": [{ball}]}}, {{\"surfaces\": [{ball}],\n@\"name\": \"a\"}}]"
+        ),
+        "groups[1].name: the group name 'a' is given twice",
     );
 }
 

@@ -14,7 +14,8 @@ use std::path::{Path, PathBuf};
 
 use common::scenes::{Job, render};
 use common::snippets::{data_dir, snippets};
-use etendue::desc::{self, BackplateDesc, LoadOptions, SceneDesc};
+use etendue::desc::{self, BackplateDesc, KeyPlace, LoadOptions, MotionDesc, MotionKey, SceneDesc};
+use etendue::math::{DAffine3, DVec3};
 use etendue::spectrum::Rgb;
 use same::{assert_same, saved};
 use serde_json::json;
@@ -53,6 +54,57 @@ fn examples_of_the_document_come_back() {
         }
     }
     assert!(count > 50, "{count} examples");
+}
+
+/// Placements are written as such where nothing of them was changed but their names and their motion, and as surfaces otherwise.
+#[test]
+fn placements_of_groups_come_back() {
+    let mut scene = everything::scene();
+    scene.motion.surfaces.clear();
+    // Webs, lamps, quadrics and meshes are among them.
+    let surfaces: Vec<usize> = (0..scene.surfaces.len()).filter(|number| !scene.surfaces[*number].hidden).collect();
+    let thirds: Vec<usize> = surfaces.iter().copied().step_by(3).collect();
+    let all = scene.add_group("", &surfaces).unwrap();
+    let some = scene.add_group("some", &thirds).unwrap();
+    let moved = |x: f64| DAffine3::from_translation(DVec3::new(x, 1.0 / 3.0, 0.0)) * DAffine3::from_rotation_y(0.1 * x);
+    let placed = [all, some, all, some, some, some, all].map(|group| (group, scene.placements.len()));
+    let placed: Vec<usize> = placed
+        .into_iter()
+        .enumerate()
+        .map(|(i, (group, _))| scene.place_group(group, moved(100.0 * i as f64)).unwrap())
+        .collect();
+    let first = |scene: &SceneDesc, i: usize| scene.placements[placed[i]].surfaces.start;
+    // One has another material, one a name, one moves, one was removed, and one has surfaces with two names.
+    let surface = first(&scene, 2);
+    let other = (scene.surfaces[surface].material.unwrap() + 1) % 3;
+    scene.set_surface_material(surface, Some(other)).unwrap();
+    for surface in scene.placements[placed[3]].surfaces.clone() {
+        scene.set_surface_name(surface, "one").unwrap();
+    }
+    let key = |time: f64, x: f64| MotionKey { time, place: KeyPlace::Matrix(moved(x)) };
+    let motion = MotionDesc { keys: vec![key(0.0, 0.0), key(1.0, 0.2)] };
+    scene.set_placement_motion(placed[4], Some(motion.clone())).unwrap();
+    scene.remove_placement(placed[5]).unwrap();
+    scene.set_surface_name(first(&scene, 6), "other").unwrap();
+    let again = saved(&scene);
+    assert_same(&scene, &again, "groups");
+    assert_same(&again, &saved(&again), "groups, twice");
+    assert_eq!(again.fingerprint().unwrap(), saved(&again).fingerprint().unwrap());
+    assert_eq!(again.groups.len(), 2);
+    assert_eq!(again.find_group("some"), Some(some));
+    let kept: Vec<_> = again.placements.iter().map(|it| (it.group, it.transform)).collect();
+    let expected = [0, 1, 3, 4].map(|i| (scene.placements[placed[i]].group, moved(100.0 * f64::from(i as u8))));
+    assert_eq!(kept, expected);
+    let named = &again.placements[2].surfaces;
+    assert!(again.surfaces[named.clone()].iter().all(|surface| surface.name == "one"));
+    let moving: Vec<usize> = again.motion.surfaces.keys().copied().collect();
+    assert_eq!(moving, again.placements[3].surfaces.clone().collect::<Vec<_>>());
+    // Names of surfaces are none of the fingerprint, in groups too.
+    let before = scene.fingerprint().unwrap();
+    for surface in scene.placements[placed[0]].surfaces.clone() {
+        scene.set_surface_name(surface, "renamed").unwrap();
+    }
+    assert_eq!(scene.fingerprint().unwrap(), before);
 }
 
 /// Shapes with names keep them: a file of people stays one of people.

@@ -477,6 +477,77 @@ fn meshes_are_shared_by_descriptions() {
     assert!(second.add_surface(shape, DAffine3::IDENTITY, far).is_err());
 }
 
+#[test]
+fn groups_are_made_placed_moved_and_removed() {
+    let mut desc = base();
+    let lamp = desc.surfaces.len();
+    let (sphere, local) = ShapeDesc::sphere(DVec3::ZERO, 1.0).unwrap();
+    let shift = |x: f64| DAffine3::from_translation(DVec3::new(x, 0.0, 0.0));
+    for x in [1.0, 2.0] {
+        desc.add_surface(sphere, local, SurfaceLook { transform: shift(x), ..lamp_look() }).unwrap();
+    }
+    desc.set_surface_name(lamp, "bulb").unwrap();
+    let group = desc.add_group("lamps", &[lamp + 1, lamp]).unwrap();
+    assert_eq!((group, desc.find_group("lamps"), desc.find_group("")), (0, Some(0), None));
+    // The group has copies.
+    desc.set_emission(lamp, Some(Rgb::splat(0.25))).unwrap();
+    desc.remove_surface(lamp).unwrap();
+    let placed = desc.place_group(group, shift(10.0)).unwrap();
+    let surfaces = desc.placements[placed].surfaces.clone();
+    assert_eq!(surfaces, lamp + 2..lamp + 4);
+    let at = |desc: &SceneDesc, number: usize| desc.surfaces[number].to_world().translation.x;
+    assert_eq!(surfaces.clone().map(|number| at(&desc, number)).collect::<Vec<_>>(), [12.0, 11.0]);
+    let last = &desc.surfaces[lamp + 3];
+    assert_eq!(
+        (last.name.as_str(), last.emission, last.path.as_str()),
+        ("bulb", lamp_look().emission, format!("surfaces[{}]", lamp + 3).as_str())
+    );
+    // As a whole and in part.
+    desc.set_transform(lamp + 2, shift(-1.0)).unwrap();
+    desc.remove_surface(lamp + 3).unwrap();
+    desc.set_placement_transform(placed, shift(20.0)).unwrap();
+    assert_eq!((at(&desc, lamp + 2), desc.surfaces[lamp + 3].hidden), (22.0, true));
+    let before = content(&desc);
+    let stretched = DAffine3::from_scale(DVec3::new(1.0, 2.0, 1.0));
+    let flat = DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0));
+    let far = shift(3.4e38) * DAffine3::from_scale(DVec3::splat(1e37));
+    for (error, path, why) in [
+        (desc.place_group(1, shift(0.0)).unwrap_err(), "placements[1]", "there is no group 1"),
+        (desc.place_group(0, flat).unwrap_err(), "placements[1].transform", "flatten"),
+        (desc.place_group(0, stretched).unwrap_err(), "surfaces[", "stretches"),
+        (desc.place_group(0, far).unwrap_err(), "surfaces[", "beyond single precision"),
+        (desc.set_placement_transform(0, stretched).unwrap_err(), "surfaces[", "stretches"),
+        (desc.set_placement_transform(1, shift(0.0)).unwrap_err(), "placements[1]", "there is no placement 1"),
+        (desc.add_group("lamps", &[lamp + 1]).unwrap_err(), "groups[1].name", "given twice"),
+        (desc.add_group("", &[]).unwrap_err(), "groups[1].surfaces", "empty"),
+        (desc.add_group("", &[lamp]).unwrap_err(), "surfaces[", "was removed"),
+        (desc.add_group("", &[99]).unwrap_err(), "surfaces[99]", "there is no surface 99"),
+        (desc.add_group("a\0", &[lamp + 1]).unwrap_err(), "groups[1].name", "NUL"),
+    ] {
+        let found = &error.location().json_path;
+        assert!(found.starts_with(path) && error.message().contains(why), "{error}, expected {path}: {why}");
+    }
+    assert_eq!(content(&desc), before);
+    desc.remove_placement(placed).unwrap();
+    assert!(desc.surfaces[surfaces].iter().all(|surface| surface.hidden));
+    for error in [
+        desc.set_placement_transform(placed, shift(0.0)).unwrap_err(),
+        desc.set_placement_motion(placed, None).unwrap_err(),
+        desc.remove_placement(placed).unwrap_err(),
+    ] {
+        assert!(error.message().contains("placement 0 was removed"), "{error}");
+    }
+    // A mesh of a group cannot be removed.
+    let mesh = desc.add_mesh(corner()).unwrap();
+    let user = desc.add_surface(ShapeDesc::Mesh { mesh, smooth: false }, DAffine3::IDENTITY, lamp_look()).unwrap();
+    let bunch = desc.add_group("bunch", &[user]).unwrap();
+    desc.remove_surface(user).unwrap();
+    let error = desc.remove_mesh(mesh).unwrap_err();
+    assert!(error.message().contains("groups[1] uses the mesh"), "{error}");
+    desc.place_group(bunch, shift(1.0)).unwrap();
+    Scene::build(&desc, &BuildOptions::default()).unwrap();
+}
+
 fn lamp_look() -> SurfaceLook {
     SurfaceLook { emission: Some(Rgb::ONE), ..SurfaceLook::default() }
 }

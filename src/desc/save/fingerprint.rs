@@ -51,7 +51,13 @@ impl SceneDesc {
     /// [`SceneDesc::save`] says.
     pub fn fingerprint(&self) -> Result<u64> {
         // Meshes and images are shared, not copied.
-        let mut scene = Self { render: RenderDesc::default(), ..self.clone() };
+        let mut scene = Self {
+            render: RenderDesc::default(),
+            // The surfaces of placements are among all others.
+            groups: Vec::new(),
+            placements: Vec::new(),
+            ..self.clone()
+        };
         // No picture depends on the names of surfaces.
         scene.surfaces.iter_mut().for_each(|surface| surface.name.clear());
         check(&scene)?;

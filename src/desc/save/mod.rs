@@ -9,7 +9,7 @@ mod files;
 mod fingerprint;
 mod text;
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -20,8 +20,9 @@ use self::text::laid_out;
 use super::file::SIZE_LIMIT;
 use super::mesh_files::ply_write;
 use super::{
-    DistantLightDesc, MaterialDesc, SceneDesc, ShapeDesc, backplate_keys, camera_check, camera_keys, light_keys,
-    material_check, material_keys, render_write, sky_keys, surface, texture_check, texture_keys, validate,
+    DistantLightDesc, MaterialDesc, MotionDesc, PlacementDesc, SceneDesc, ShapeDesc, SurfaceDesc, backplate_keys,
+    camera_check, camera_keys, group_keys, light_keys, material_check, material_keys, render_write, sky_keys, surface,
+    texture_check, texture_keys, validate,
 };
 use crate::replace::{self, Target};
 use crate::{Error, ErrorKind, Result};
@@ -33,6 +34,7 @@ pub(super) struct Names {
     pub textures: Vec<String>,
     pub materials: Vec<String>,
     pub meshes: Vec<String>,
+    pub groups: Vec<String>,
 }
 
 impl SceneDesc {
@@ -43,7 +45,8 @@ impl SceneDesc {
     /// scene file had there are then removed. On an error everything is as it was.
     ///
     /// Warnings, removed surfaces and removed meshes are not written, and messages about the new scene have paths of the new file.
-    /// A frame of a shape that the keys of the format cannot give becomes a part of [`super::SurfaceDesc::transform`]. Meshes in the
+    /// A frame of a shape that the keys of the format cannot give becomes a part of [`super::SurfaceDesc::transform`]. Placements of groups
+    /// that were edited in part are written surface by surface, and images of theirs may differ by rounding. Meshes in the
     /// memory of a host become meshes of the description, which are shifted to the scene frame before they are rounded to single
     /// precision.
     ///
@@ -110,7 +113,8 @@ fn check(scene: &SceneDesc) -> Result<()> {
     for mesh in scene.meshes.iter().filter(|mesh| mesh.triangle_count() > 0) {
         validate::mesh(&mesh.path, mesh)?;
     }
-    for surface in scene.surfaces.iter().filter(|surface| !surface.hidden) {
+    let members = scene.groups.iter().flat_map(|group| &group.members);
+    for surface in scene.surfaces.iter().chain(members).filter(|surface| !surface.hidden) {
         let path = &surface.path;
         surface.shape.check(path)?;
         validate::invertible(path, &surface.to_world())?;
@@ -139,7 +143,7 @@ fn check(scene: &SceneDesc) -> Result<()> {
 }
 
 /// Whether a surface emits light on both of its sides.
-fn emits_both(scene: &SceneDesc, surface: &super::SurfaceDesc) -> bool {
+fn emits_both(scene: &SceneDesc, surface: &SurfaceDesc) -> bool {
     let emission = surface.emission.or(scene.material_of(surface).and_then(|it| it.emission));
     surface.emits_both && emission.is_some()
 }
@@ -158,6 +162,7 @@ impl Names {
             textures: unique("texture", scene.textures.iter().map(|texture| texture.name.clone())),
             materials: unique("material", scene.materials.iter().map(material)),
             meshes: unique("mesh", meshes.into_iter().map(str::to_owned)),
+            groups: unique("group", scene.groups.iter().map(|group| group.name.clone())),
         }
     }
 }
@@ -250,11 +255,33 @@ fn document(
         list.put(out, &surface::write_mesh(&names.meshes[number], file, keep_degenerate, steps)?)?;
     }
     list.end(out)?;
+    let text = |surface: &SurfaceDesc, motion: Option<&MotionDesc>| {
+        surface::write(surface, emits_both(scene, surface), webs.of_surface(surface), motion, names)
+    };
+    let mut groups = List::new("groups");
+    for (number, group) in scene.groups.iter().enumerate() {
+        let members: Vec<_> = group.members.iter().map(|member| text(member, None)).collect::<Result<_>>()?;
+        groups.put(out, &group_keys::write(&names.groups[number], &members)?)?;
+    }
+    groups.end(out)?;
+    let placements: BTreeMap<usize, &PlacementDesc> =
+        scene.placements.iter().map(|placement| (placement.surfaces.start, placement)).collect();
     let mut surfaces = List::new("surfaces");
-    for (number, surface) in scene.surfaces.iter().enumerate().filter(|(_, surface)| !surface.hidden) {
+    let mut written = 0;
+    for (number, surface) in scene.surfaces.iter().enumerate() {
+        if number < written || surface.hidden {
+            continue;
+        }
+        let placement = placements.get(&number).and_then(|it| Some((it, scene.groups.get(it.group)?)));
+        let placed = placement.and_then(|(it, group)| Some((it, group_keys::as_placed(scene, it, group)?)));
+        if let Some((placement, (name, motion))) = placed {
+            let group = &names.groups[placement.group];
+            surfaces.put(out, &group_keys::write_placement(placement, group, name, motion)?)?;
+            written = placement.surfaces.end;
+            continue;
+        }
         let motion = scene.motion.surfaces.get(&number).map(|motion| &**motion);
-        surfaces
-            .put(out, &surface::write(surface, emits_both(scene, surface), webs.of_surface(surface), motion, names)?)?;
+        surfaces.put(out, &text(surface, motion)?)?;
     }
     surfaces.end(out)?;
     out.write_all(b"\n}\n").map_err(failed)

@@ -17,6 +17,7 @@ use crate::spectrum::Rgb;
 use crate::{Error, Result};
 
 /// The keys that all kinds of surfaces have.
+#[derive(Default)]
 struct Look {
     name: Option<String>,
     material: Option<String>,
@@ -116,9 +117,8 @@ pub(in crate::desc) fn write(
             text!(Disk, look(is_plain)?, { origin: array(&centre), normal: array(&normal), radius: radius, })
         }
         ShapeDesc::Mesh { mesh, smooth } => {
-            // A frame that scales evenly and moves has keys; one that turns goes into the transform.
             let scale = local.matrix3.x_axis.x;
-            let keeps_frame = same_bits(local, &transform::place(DVec3::splat(scale), DVec3::ZERO, local.translation));
+            let keeps_frame = keeps_frame(surface);
             text!(Mesh, look(keeps_frame)?, {
                 mesh: Some(names.meshes[mesh].clone()),
                 file: None,
@@ -144,6 +144,20 @@ pub(in crate::desc) fn write(
             let clip = raw(&Clip { min: clip.min.to_array(), max: clip.max.to_array() })?;
             text!(Quadric, look(is_plain)?, { coefficients: coefficients, clip: Some(&*clip), })
         }
+    }
+}
+
+/// Whether the keys of its kind can give the frame of a surface's shape. Otherwise, that frame goes into its `transform`.
+pub(in crate::desc) fn keeps_frame(surface: &SurfaceDesc) -> bool {
+    let local = &surface.local;
+    match surface.shape {
+        // A frame that scales evenly and moves has keys; one that turns has none that are written.
+        ShapeDesc::Mesh { .. } => {
+            let scale = DVec3::splat(local.matrix3.x_axis.x);
+            same_bits(local, &transform::place(scale, DVec3::ZERO, local.translation))
+        }
+        ShapeDesc::Quadric { .. } if named(surface, || Ok(Look::default())).is_some() => true,
+        _ => same_bits(local, &DAffine3::IDENTITY),
     }
 }
 
