@@ -260,6 +260,8 @@ fn submerged(case: &mut Case) {
     let scene = build(&desc);
     // Irradiance right below a ball, with the distance to each of its points: by quadrature.
     let sin2 = (f64::from(radius as f32) / height).powi(2);
+    let methods = [IntegratorDesc::Path, IntegratorDesc::Direct, IntegratorDesc::Whitted, IntegratorDesc::Sppm];
+    let images = methods.map(|integrator| (integrator, image(&scene, integrator, case.count(128, 2048), 1)));
     for (i, coefficient) in ABSORPTION.to_f64().to_array().into_iter().enumerate() {
         const N: u32 = 100_000;
         let ring = |k: u32| {
@@ -269,11 +271,9 @@ fn submerged(case: &mut Case) {
         };
         let irradiance = PI * sin2 * (0..N).map(ring).sum::<f64>() / f64::from(N);
         let exact = f64::from(albedo) / PI * irradiance * (-coefficient * eye.length()).exp();
-        for integrator in [IntegratorDesc::Path, IntegratorDesc::Direct, IntegratorDesc::Whitted, IntegratorDesc::Sppm]
-        {
-            let image = image(&scene, integrator, case.count(128, 2048), 1);
+        for (integrator, image) in &images {
             let what = format!("ball that shines, {}, channel {i}", integrator.name());
-            case.biased_mean(what, channel(&image, i), exact, (OFFSET, pick(case, 4e-3, 1e-3)));
+            case.biased_mean(what, channel(image, i), exact, (OFFSET, pick(case, 4e-3, 1e-3)));
         }
     }
 }

@@ -47,7 +47,8 @@ fn room(case: &mut Case) {
         if integrator == IntegratorDesc::PhotonDirect {
             // Estimates of few photons are not used, and so the others are too large in the mean. Its paths are not combined with
             // light samples.
-            (desc.photons.count, desc.samples) = (Some(1 << 20), 2 * desc.samples);
+            let count = case.count(1 << 19, 1 << 20) as u32;
+            (desc.photons.count, desc.samples) = (Some(count), 2 * desc.samples);
         }
         let found = all(&desc);
         let (mut smallest, mut largest, mut error_of_region) = (1.0_f64, 0.0_f64, 0.0_f64);

@@ -145,16 +145,20 @@ fn plates(case: &mut Case) {
 /// The same with a point light half way between them: a spot of 1 of plates of 1000, whose light wanders outwards.
 ///
 /// What is dim beside the spot is known to the three thousandths that are asked for where links may be wrong by ten times less
-/// than by default. The test solves five times as coarsely, which leaves it five times as far off.
+/// than by default. The test solves eight times as coarsely, which leaves it eight times as far off.
 fn plates_with_a_point(case: &mut Case) {
     let half = 500.0;
     let floor = parallelogram(DVec3::new(-half, 0.0, -half), DVec3::Z * 2.0 * half, DVec3::X * 2.0 * half);
     let ceiling = parallelogram(DVec3::new(-half, 1.0, -half), DVec3::X * 2.0 * half, DVec3::Z * 2.0 * half);
-    let error = if case.is_full() { 0.1 } else { 0.5 };
+    let error = if case.is_full() { 0.1 } else { 0.8 };
     for (albedo, expected) in [
         (0.5, &[(0.0, 4.528_129_526)][..]),
         (0.8, &[(0.0, 5.177_588_122), (1.0, 1.108_237_669), (3.0, 0.201_985_157_5)]),
     ] {
+        // Of the two, this one has more light that wanders.
+        if albedo < 0.8 && !case.is_full() {
+            continue;
+        }
         let surfaces = vec![(floor, grey(albedo), None), (ceiling, grey(albedo), None)];
         let mut desc = scene(camera(DVec3::Y * 0.5, DVec3::ZERO, 60.0), surfaces);
         desc.lights.push(point_light(DVec3::Y * 0.5, 1.0));
