@@ -4777,9 +4777,10 @@ etd_status etd_scene_set_mesh(struct etd_scene *scene,
                               const struct etd_mesh *value);
 
 /**
- * Removes a mesh that no surface uses any more, and frees its memory. Its number is not used again. Thread-safe.
+ * Removes a mesh that no surface and no group uses any more, and frees its memory. Its number is not used again. Thread-safe.
  */
-etd_status etd_scene_remove_mesh(struct etd_scene *scene, uint32_t mesh);
+etd_status etd_scene_remove_mesh(struct etd_scene *scene,
+                                 uint32_t mesh);
 
 /**
  * Returns what a surface is, as described now. Surfaces are numbered from 0; `etd_scene_info.surfaces` says how many there are. A surface
@@ -4835,7 +4836,8 @@ etd_status etd_scene_add_group(struct etd_scene *scene,
  * number of the placement, and `*out_first_surface` that of the first of its surfaces, which follow one another in the order of the
  * group's; it may be NULL. Memory and time to build grow with the number of surfaces. The triangles of meshes, and the hierarchy over all
  * meshes of a group, are shared between its placements where they are many (docs/c-api.md). Errors: those of
- * `etd_scene_set_transform`; `ETD_UNSUPPORTED` for more than 4194304 surfaces. Thread-safe.
+ * `etd_scene_set_transform`; `ETD_INVALID_SCENE` for a group that was removed; `ETD_UNSUPPORTED` where scene and groups would have more than
+ * 4194304 surfaces, removed ones among them. Thread-safe.
  */
 etd_status etd_scene_place_group(struct etd_scene *scene,
                                  uint32_t group,
@@ -4865,6 +4867,13 @@ etd_status etd_scene_set_placement_motion(struct etd_scene *scene,
  */
 etd_status etd_scene_remove_placement(struct etd_scene *scene,
                                       uint32_t placement);
+
+/**
+ * Removes a group that is placed nowhere any more, and frees what it keeps. Its number is not used again. Errors: `ETD_INVALID_SCENE` while
+ * it is placed, and for a group that was removed. Thread-safe.
+ */
+etd_status etd_scene_remove_group(struct etd_scene *scene,
+                                  uint32_t group);
 
 /**
  * Returns which group is placed, the number of the first of its surfaces here, how many there are, and the placement's transform as

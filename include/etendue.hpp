@@ -1195,10 +1195,13 @@ public:
 
     /** A group that is placed, as it is described now. */
     struct Placement {
+        /** The number of the group. */
         std::uint32_t group = ETD_NONE;
-        /** The numbers of its surfaces follow one another. */
+        /** The number of the first of its surfaces, which follow one another. */
         std::uint32_t first_surface = ETD_NONE;
+        /** How many surfaces it has. */
         std::uint32_t surface_count = 0;
+        /** From the group's frame to the world. */
         Transform transform{};
     };
 
@@ -1233,6 +1236,8 @@ public:
     Outcome<void> remove_placement(std::uint32_t number) {
         return detail::done(etd_scene_remove_placement(get(), number));
     }
+    /** Removes a group that is not placed. */
+    Outcome<void> remove_group(std::uint32_t number) { return detail::done(etd_scene_remove_group(get(), number)); }
     /** The number of the group of this name. */
     Outcome<std::uint32_t> find_group(const char *name) const {
         std::uint32_t number = ETD_NONE;
@@ -1301,7 +1306,7 @@ public:
             return etd_scene_set_mesh(get(), number, shared);
         }));
     }
-    /** Removes a mesh that no surface uses any more. */
+    /** Removes a mesh that no surface and no group uses any more. */
     Outcome<void> remove_mesh(std::uint32_t number) { return detail::done(etd_scene_remove_mesh(get(), number)); }
 
     /** Adds a texture; its number. `name`: NULL for none. */

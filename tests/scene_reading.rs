@@ -887,6 +887,30 @@ fn groups_are_placed_as_surfaces_of_their_own() {
     assert_eq!(scene.groups[1].members.len(), 3);
 }
 
+/// Surfaces that were taken into a group leave no trace among the users of meshes.
+#[test]
+fn meshes_that_are_used_beside_groups_stay() {
+    let sheet = |mesh: &str| format!(r#"{{"geometry": "mesh", "mesh": "{mesh}", "material": "white"}}"#);
+    let mesh = |name: &str| {
+        format!(r#"{{"name": "{name}", "positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "triangles": [[0, 1, 2]]}}"#)
+    };
+    let mut scene = native(&format!(
+        r#""meshes": [{}, {}, {}], "groups": [{{"name": "g", "surfaces": [{}]}}], "surfaces": [{}]"#,
+        mesh("a"),
+        mesh("b"),
+        mesh("c"),
+        sheet("a"),
+        sheet("b"),
+    ));
+    for (mesh, user) in [(0, "groups[0]"), (1, "surfaces[0]")] {
+        let error = scene.remove_mesh(mesh).unwrap_err();
+        assert!(error.message().starts_with(user), "{error}");
+    }
+    scene.remove_mesh(2).unwrap();
+    scene.remove_group(0).unwrap();
+    scene.remove_mesh(0).unwrap();
+}
+
 /// A line per level doubles the number of surfaces.
 #[test]
 fn groups_of_groups_are_bounded() {
@@ -903,7 +927,7 @@ fn groups_of_groups_are_bounded() {
     );
     let error = desc::parse(&text, Path::new("."), None).unwrap_err();
     assert_eq!(error.kind(), etendue::ErrorKind::Unsupported);
-    assert_eq!(error.location().json_path, "groups[23].surfaces[1]");
+    assert_eq!(error.location().json_path, "groups[22].surfaces[0]");
 }
 
 #[test]

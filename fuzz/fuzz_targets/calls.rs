@@ -64,6 +64,7 @@ enum Call {
     SanePlacement { group: u8, shift: [i8; 3], scale: i8 },
     MovePlacement { placement: u8, shift: [i8; 3], scale: i8 },
     RemovePlacement { placement: u8 },
+    RemoveGroup { group: u8 },
     AddMeshSurface { mesh: u8, smooth: u8, material: u8, glow: u8, shift: [i8; 3] },
     AddTexture { kind: u8, size: [u8; 3], format: u8, numbers: [f32; 8], texels: Vec<u8>, name: Option<u8> },
     SetTexture { texture: u8, kind: u8, size: [u8; 3], format: u8, numbers: [f32; 8], texels: Vec<u8> },
@@ -673,6 +674,9 @@ impl World {
                 }
                 Call::RemovePlacement { placement } => {
                     fine(etd_scene_remove_placement(scene, u32::from(placement % 8)));
+                }
+                Call::RemoveGroup { group } => {
+                    fine(etd_scene_remove_group(scene, u32::from(group % 4)));
                 }
                 Call::AddMeshSurface { mesh, smooth, material, glow, shift } => {
                     let surface = look(material, [f32::from(glow / 64); 3], shifted(shift, 1.0));

@@ -56,7 +56,8 @@ pub unsafe extern "C" fn etd_scene_add_group(
 /// number of the placement, and `*out_first_surface` that of the first of its surfaces, which follow one another in the order of the
 /// group's; it may be NULL. Memory and time to build grow with the number of surfaces. The triangles of meshes, and the hierarchy over all
 /// meshes of a group, are shared between its placements where they are many (docs/c-api.md). Errors: those of
-/// `etd_scene_set_transform`; `ETD_UNSUPPORTED` for more than 4194304 surfaces. Thread-safe.
+/// `etd_scene_set_transform`; `ETD_INVALID_SCENE` for a group that was removed; `ETD_UNSUPPORTED` where scene and groups would have more than
+/// 4194304 surfaces, removed ones among them. Thread-safe.
 ///
 /// # Safety
 /// Each pointer must be NULL or point to a value of its type, and `transform` to twelve.
@@ -72,6 +73,9 @@ pub unsafe extern "C" fn etd_scene_place_group(
     unsafe {
         on(scene, |scene| {
             need(out_placement, "out_placement")?;
+            if !out_first_surface.is_null() {
+                need(out_first_surface, "out_first_surface")?;
+            }
             find(&scene.desc().groups, group, "group")?;
             let transform = optional_transform(transform)?;
             let mut first = 0;
@@ -148,6 +152,22 @@ pub unsafe extern "C" fn etd_scene_remove_placement(scene: *mut etd_scene, place
     }
 }
 
+/// Removes a group that is placed nowhere any more, and frees what it keeps. Its number is not used again. Errors: `ETD_INVALID_SCENE` while
+/// it is placed, and for a group that was removed. Thread-safe.
+///
+/// # Safety
+/// `scene` must be NULL or a scene.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_remove_group(scene: *mut etd_scene, group: u32) -> etd_status {
+    // SAFETY: the caller keeps this function's contract.
+    unsafe {
+        on(scene, |scene| {
+            find(&scene.desc().groups, group, "group")?;
+            scene.edit(|desc| desc.remove_group(group as usize))
+        })
+    }
+}
+
 /// Returns which group is placed, the number of the first of its surfaces here, how many there are, and the placement's transform as
 /// described now: three rows of four numbers. Each of the four may be NULL. It is an error if the placement was removed. Thread-safe.
 ///
@@ -167,12 +187,19 @@ pub unsafe extern "C" fn etd_scene_get_placement(
         on(scene, |scene| {
             let desc = scene.desc();
             let it = live(&desc.placements, placement)?;
-            for (out, value) in
-                [(out_group, it.group), (out_first_surface, it.surfaces.start), (out_surface_count, it.surfaces.len())]
-            {
-                if !out.is_null() {
-                    out.write(value as u32);
-                }
+            let numbers = [
+                (out_group, "out_group", it.group),
+                (out_first_surface, "out_first_surface", it.surfaces.start),
+                (out_surface_count, "out_surface_count", it.surfaces.len()),
+            ];
+            for (out, name, _) in numbers.iter().filter(|(out, ..)| !out.is_null()) {
+                need(*out, name)?;
+            }
+            if !out_transform.is_null() {
+                need(out_transform, "out_transform")?;
+            }
+            for (out, _, value) in numbers.iter().filter(|(out, ..)| !out.is_null()) {
+                out.write(*value as u32);
             }
             if !out_transform.is_null() {
                 out_transform.cast::<[f64; 12]>().write(read::transform_out(&it.transform));

@@ -158,7 +158,7 @@ pub unsafe extern "C" fn etd_scene_set_mesh(scene: *mut etd_scene, mesh: u32, va
     }
 }
 
-/// Removes a mesh that no surface uses any more, and frees its memory. Its number is not used again. Thread-safe.
+/// Removes a mesh that no surface and no group uses any more, and frees its memory. Its number is not used again. Thread-safe.
 ///
 /// # Safety
 /// `scene` must be NULL or a scene.

@@ -113,7 +113,9 @@ impl SceneDesc {
         material_check::check(&mut to, &self.materials[..material])?;
         texture_check::bindings(&to, &self.textures, &self.materials[..material])?;
         if to.emission.is_some() && known.emission.is_none() || !to.is_opaque() && known.is_opaque() {
-            for user in self.surfaces.iter().filter(|surface| !surface.hidden && surface.material == Some(material)) {
+            let members = self.groups.iter().flat_map(|group| &group.members);
+            let users = self.surfaces.iter().filter(|surface| !surface.hidden).chain(members);
+            for user in users.filter(|surface| surface.material == Some(material)) {
                 validate::look(&user.path, user.emission, &to, &user.shape, &user.to_world()).map_err(|error| {
                     let key = if to.emission.is_some() { "emission" } else { "opacity" };
                     let message = format!("{} cannot have this material: {}", user.path, error.message());
@@ -247,6 +249,11 @@ impl SceneDesc {
         let users = self.index.users(mesh, &self.surfaces);
         for surface in users.iter().filter_map(|number| self.surfaces.get(*number)) {
             validate::extent(&surface.path, &extent, &surface.to_world())?;
+        }
+        let members = self.groups.iter().flat_map(|group| &group.members);
+        let has_mesh = |member: &&SurfaceDesc| matches!(member.shape, ShapeDesc::Mesh { mesh: own, .. } if own == mesh);
+        for member in members.filter(has_mesh) {
+            validate::extent(&member.path, &extent, &member.to_world())?;
         }
         let data = Arc::new(MeshDesc { name, path, ..data });
         self.index.keep_users(mesh, users);

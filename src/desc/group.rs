@@ -7,15 +7,15 @@ use super::edit::none_such;
 use super::json::{elided, join};
 use super::{AreaWebDesc, MotionDesc, SceneDesc, ShapeDesc, SurfaceDesc, surface, validate};
 use crate::math::DAffine3;
-use crate::room::{add_room, check_room, collected};
+use crate::room::{add_room, check_room, with_room};
 use crate::{Error, ErrorKind, Result};
 
-/// Most surfaces that a description has once a group is placed. Groups of groups of groups would otherwise have as many as a file of
-/// one line asks for.
+/// Most surfaces that a description with groups has, those of groups and those that were removed among them. Groups of groups of groups
+/// would otherwise have as many as a short file asks for.
 pub const MAX_PLACED_SURFACES: usize = 1 << 22;
 
-/// Bytes that the texts of a placed surface take, as a rule.
-const MOST_TEXT: usize = 96;
+/// Bytes that a path of a placed surface takes, as a rule, and what an allocation takes besides.
+const BYTES_OF_A_PATH: usize = 96;
 
 /// Surfaces that are placed together.
 #[derive(Clone, Debug)]
@@ -24,7 +24,7 @@ pub struct GroupDesc {
     pub path: String,
     /// What placements call it; empty where it has no name.
     pub name: String,
-    /// The surfaces, at least one. Their [`transform`](SurfaceDesc::transform) leads to the frame of the group. No ray meets them here.
+    /// The surfaces, at least one but for a group that was removed. Their [`transform`](SurfaceDesc::transform) leads to the frame of the group. No ray meets them here.
     pub members: Vec<SurfaceDesc>,
 }
 
@@ -52,7 +52,8 @@ impl SceneDesc {
     /// # Errors
     /// [`ErrorKind::InvalidScene`] at `groups[..]`: `.name` if it is taken or has a NUL, `.surfaces` for no surface; at `surfaces[..]`
     /// for a number that no surface has or that belongs to a removed surface; [`ErrorKind::Unsupported`] at
-    /// `surfaces[..].motion` for a surface that moves, other than by the steps of its mesh; [`ErrorKind::OutOfMemory`].
+    /// `surfaces[..].motion` for a surface that moves, other than by the steps of its mesh, and at `groups[..]` for more than [`MAX_PLACED_SURFACES`]
+    /// surfaces; [`ErrorKind::OutOfMemory`].
     pub fn add_group(&mut self, name: &str, surfaces: &[usize]) -> Result<usize> {
         let path = format!("groups[{}]", self.groups.len());
         self.check_group_name(&path, name)?;
@@ -60,7 +61,13 @@ impl SceneDesc {
             let path = &self.live_surface(*number)?.path;
             check_rests(path, self.motion.surfaces.contains_key(number))?;
         }
-        let members = collected(surfaces.iter().map(|number| self.surfaces[*number].clone()), surfaces.len())?;
+        self.check_count(&path, surfaces.len())?;
+        let mut members = with_room(surfaces.len())?;
+        for (member, number) in surfaces.iter().enumerate() {
+            let surface = &self.surfaces[*number];
+            check_room(surface.name.len() + BYTES_OF_A_PATH)?;
+            members.push(SurfaceDesc { path: format!("{path}.surfaces[{member}]"), ..surface.clone() });
+        }
         self.put_group(path, name.to_owned(), members)
     }
 
@@ -69,7 +76,7 @@ impl SceneDesc {
     /// moved or removed. `transform` is from the group's frame to the world.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidScene`] at `placements[..]` for a number that no group has, and at its `.transform` for one that is not
+    /// [`ErrorKind::InvalidScene`] at `placements[..]` for a number that no group has or that belongs to a removed group, and at its `.transform` for one that is not
     /// invertible; for each surface the errors of [`Self::set_transform`]; [`ErrorKind::Unsupported`] for more than
     /// [`MAX_PLACED_SURFACES`] surfaces; [`ErrorKind::OutOfMemory`].
     pub fn place_group(&mut self, group: usize, transform: DAffine3) -> Result<usize> {
@@ -104,16 +111,18 @@ impl SceneDesc {
     /// Sets the motion of all surfaces of a placement, which they make as one, or removes it.
     ///
     /// # Errors
-    /// The errors of [`Self::set_surface_motion`], and an error for a number that no placement has or that belongs to a removed placement.
+    /// The errors of [`Self::set_surface_motion`], at the placement, and an error for a number that no placement has or that belongs to a removed placement.
     pub fn set_placement_motion(&mut self, placement: usize, motion: Option<MotionDesc>) -> Result<()> {
         let known = self.live_placement(placement)?;
         if let Some(motion) = &motion {
             motion.check(&join(&known.path, "motion"))?;
         }
-        for number in known.surfaces.clone() {
-            if !self.surfaces[number].hidden {
-                self.set_surface_motion(number, motion.clone())?;
-            }
+        let motion = motion.map(Arc::new);
+        for number in known.surfaces.clone().filter(|number| !self.surfaces[*number].hidden) {
+            match &motion {
+                Some(motion) => self.motion.surfaces.insert(number, Arc::clone(motion)),
+                None => self.motion.surfaces.remove(&number),
+            };
         }
         Ok(())
     }
@@ -129,6 +138,29 @@ impl SceneDesc {
             self.motion.surfaces.remove(&number);
         }
         self.placements[placement].hidden = true;
+        Ok(())
+    }
+
+    /// Removes a group that is placed nowhere any more, and what it keeps of its surfaces. Its name may be used again; its number is not used
+    /// again.
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidScene`] at `groups[..]` while the group is placed, and for a number that no group has or that belongs to a
+    /// removed group.
+    pub fn remove_group(&mut self, group: usize) -> Result<()> {
+        let path = format!("groups[{group}]");
+        let Some(known) = self.groups.get(group) else {
+            return Err(none_such(&path, "group", group, self.groups.len()));
+        };
+        if known.members.is_empty() {
+            return Err(Error::invalid(path, format!("group {group} was removed")));
+        }
+        if let Some(user) = self.placements.iter().find(|it| it.group == group && !it.hidden) {
+            let message = format!("{} places the group, expected one that is not placed", user.path);
+            return Err(Error::invalid(path, message));
+        }
+        self.index.forget_group(group, &known.name, known.members.len());
+        self.groups[group] = Arc::new(GroupDesc { path, name: String::new(), members: Vec::new() });
         Ok(())
     }
 
@@ -155,10 +187,12 @@ impl SceneDesc {
     pub(super) fn gather_group(&mut self, path: &str, name: String, first: [usize; 2]) -> Result<usize> {
         let [first, first_placement] = first;
         if let Some((number, _)) = self.motion.surfaces.range(first..).next() {
-            check_rests(&self.surfaces[*number].path, true)?;
+            let placed = self.placements[first_placement..].iter().find(|it| it.surfaces.contains(number));
+            check_rests(placed.map_or(&self.surfaces[*number].path, |it| &it.path), true)?;
         }
         self.placements.truncate(first_placement);
         let members = self.surfaces.split_off(first);
+        self.index.forget_surfaces(first);
         self.put_group(path.to_owned(), name, members)
     }
 
@@ -170,6 +204,7 @@ impl SceneDesc {
         if !name.is_empty() {
             self.index.groups.insert(name.clone(), number);
         }
+        self.index.grouped += members.len();
         let members = members.into_iter().map(in_written_frame).collect();
         self.groups.push(Arc::new(GroupDesc { path, name, members }));
         Ok(number)
@@ -187,17 +222,14 @@ impl SceneDesc {
             return Err(none_such(&path, "group", group, self.groups.len()));
         };
         validate::invertible(&join(&path, "transform"), &transform)?;
+        if known.members.is_empty() {
+            return Err(Error::invalid(path, format!("group {group} was removed")));
+        }
         let first = self.surfaces.len();
         let surfaces = first..first.saturating_add(known.members.len());
-        if surfaces.end > MAX_PLACED_SURFACES {
-            let message = format!(
-                "with this group the scene would have more than {MAX_PLACED_SURFACES} surfaces, expected fewer"
-            );
-            return Err(Error::new(ErrorKind::Unsupported, message).at(path));
-        }
+        self.check_count(&path, known.members.len())?;
         add_room(&mut self.surfaces, known.members.len())?;
-        // For the names and paths, each of which is asked for by itself.
-        check_room(MOST_TEXT.saturating_mul(known.members.len()))?;
+        check_room_of_texts(&known.members)?;
         for (number, member) in known.members.iter().enumerate() {
             let path = path_of(number);
             let placed = SurfaceDesc { path, transform: transform * member.transform, ..member.clone() };
@@ -210,6 +242,17 @@ impl SceneDesc {
         self.index.see(&self.surfaces);
         self.placements.push(PlacementDesc { path, group, surfaces, transform, hidden: false });
         Ok(self.placements.len() - 1)
+    }
+
+    /// Checks that the description can have so many surfaces more.
+    fn check_count(&self, path: &str, count: usize) -> Result<()> {
+        if self.surfaces.len().saturating_add(self.index.grouped).saturating_add(count) > MAX_PLACED_SURFACES {
+            let message = format!(
+                "with it the scene and its groups would have more than {MAX_PLACED_SURFACES} surfaces, expected fewer"
+            );
+            return Err(Error::new(ErrorKind::Unsupported, message).at(path));
+        }
+        Ok(())
     }
 
     /// Checks a surface that is a copy of another one: that its mesh is there, that its place is one, and that it may emit there.
@@ -258,6 +301,12 @@ fn in_written_frame(member: SurfaceDesc) -> SurfaceDesc {
     let turned = |web: Arc<AreaWebDesc>| Arc::new(AreaWebDesc { c0: inverse * web.c0, ..AreaWebDesc::clone(&web) });
     let transform = member.to_world();
     SurfaceDesc { local: DAffine3::IDENTITY, transform, web: member.web.map(turned), ..member }
+}
+
+/// Fails where there is no room for the names and paths of copies of these surfaces, each of which is asked for by itself later.
+fn check_room_of_texts(members: &[SurfaceDesc]) -> Result<()> {
+    let bytes = members.iter().map(|member| member.name.len() + BYTES_OF_A_PATH);
+    check_room(bytes.fold(0, usize::saturating_add))
 }
 
 /// Refuses a surface of a group that moves by itself.

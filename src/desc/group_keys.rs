@@ -8,6 +8,7 @@ use super::json::{self, join};
 use super::save::raw;
 use super::surface::checked_name;
 use super::{GroupDesc, MotionDesc, PlacementDesc, SceneDesc, SurfaceDesc, motion_keys, surface, transform};
+use crate::room::check_room;
 use crate::{Error, Result};
 
 /// Surfaces that are placed together, as often as surfaces of the geometry `group` name them.
@@ -73,6 +74,8 @@ pub(super) fn read_placement(raw: &RawValue, path: &str, builder: &mut Builder<'
     let placed =
         scene.put_placement(path.to_owned(), group, transform, |member| format!("{path}.surfaces[{member}]"))?;
     if !name.is_empty() {
+        let count = scene.placements[placed].surfaces.len();
+        check_room(name.len().saturating_mul(count))?;
         for number in scene.placements[placed].surfaces.clone() {
             scene.set_surface_name(number, &name)?;
         }
@@ -139,7 +142,7 @@ fn is_copy(surface: &SurfaceDesc, member: &SurfaceDesc, placement: &PlacementDes
         && !surface.hidden
 }
 
-/// What the schema says of [`Group`].
+/// Surfaces that are placed together, as often as surfaces of the geometry `group` name them.
 #[cfg(feature = "schema")]
 #[derive(schemars::JsonSchema)]
 #[schemars(deny_unknown_fields, rename = "Group")]

@@ -19,6 +19,8 @@ pub struct SceneIndex {
     pub(super) textures: BTreeMap<String, usize>,
     /// Numbers of the named groups.
     pub(super) groups: BTreeMap<String, usize>,
+    /// The number of surfaces of all groups.
+    pub(super) grouped: usize,
     /// Numbers of the named meshes. Several names may refer to one mesh.
     pub(super) meshes: BTreeMap<String, usize>,
     /// The extent of each mesh that was queried, with the data that it was computed from. A mesh that was replaced by
@@ -63,6 +65,22 @@ impl SceneIndex {
             }
         }
         self.seen = surfaces.len();
+    }
+
+    /// Forgets the surfaces from `first` on, which were taken out of the description.
+    pub(super) fn forget_surfaces(&mut self, first: usize) {
+        if self.seen > first {
+            self.uses.values_mut().for_each(|users| users.retain(|number| *number < first));
+            self.seen = first;
+        }
+    }
+
+    /// Removes a group of so many surfaces and its name from the index.
+    pub(super) fn forget_group(&mut self, group: usize, name: &str, count: usize) {
+        self.grouped = self.grouped.saturating_sub(count);
+        if self.groups.get(name) == Some(&group) {
+            self.groups.remove(name);
+        }
     }
 
     /// Returns the surfaces that use a mesh, in order.

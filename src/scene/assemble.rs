@@ -357,6 +357,7 @@ impl Assembler<'_, '_> {
             // The kernel numbers the parts of an instance from that of the instance on.
             self.embree.skip(parts.len() - 1);
             self.facts.instances += 1;
+            self.facts.whole_placements += 1;
             if is_new {
                 let count: usize = parts.iter().map(|(_, triangles)| triangles.mesh.indices().len()).sum();
                 self.facts.shared_triangles += count;
@@ -364,18 +365,17 @@ impl Assembler<'_, '_> {
                 self.facts.embree_bytes += scene.hierarchy_bytes();
                 self.facts.smooth_meshes += parts.iter().filter(|(_, it)| it.normals.is_some()).count();
             }
-            let instance_path = Arc::new(InstancePath::new(&[to_scene]));
+            let instance_path = Arc::new(InstancePath::of_group(to_scene));
             for (member, triangles) in parts {
                 let (triangles, surface) = (triangles.clone(), (first + member) as u32);
                 let instance_path = Arc::clone(&instance_path);
                 self.geometries.push(Geometry::Instance { triangles, surface, instance_path });
             }
         }
-        if !wholes.is_empty() {
-            self.facts.whole_placements = wholes.len();
+        if self.facts.whole_placements > 0 {
             self.facts.decisions.push(format!(
-                "{} placements are instances of whole groups, each of whose meshes are in one hierarchy",
-                wholes.len()
+                "{} placements are instances of whole groups: the meshes of each group are in one hierarchy",
+                self.facts.whole_placements
             ));
         }
         Ok(())

@@ -177,8 +177,7 @@ impl Scene {
             }
             Geometry::Instance { triangles, surface, instance_path } => {
                 let tangent = of(triangles, *surface)?;
-                // The frame of an instance that rests may be that of a group.
-                match instance_path.rests() {
+                match instance_path.is_of_group() {
                     true => self.record.placed(*surface)?.1.matrix3 * tangent,
                     false => instance_path.with_transform(time, |transform| transform.to_scene.matrix3 * tangent),
                 }

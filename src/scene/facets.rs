@@ -4,9 +4,11 @@
 //! curved shapes are tessellated into parts that are nearly flat. The module `faces` has the single primitives that
 //! rays hit instead.
 
+use super::describe::in_order;
 use super::geometry::Geometry;
 use super::hit::{Hit, IN_LIST};
 use super::interaction::Triangles;
+use super::lower::is_mirrored;
 use super::{Scene, SurfaceInteraction};
 use crate::control::{Cancel, WorkProgress};
 use crate::error::Result;
@@ -20,6 +22,8 @@ pub struct Facet {
     primitive: u32,
     /// Corners of a part of an analytic shape, in the scene frame. They are not read for triangles.
     corners: [[f32; 3]; 3],
+    /// Whether the second and third corner are the third and second of the triangle that rays hit, as in mirrored instances.
+    is_swapped: bool,
 }
 
 /// A surface as triangles.
@@ -89,7 +93,12 @@ impl Scene {
                     let normals = to_scene.matrix3.inverse().transpose();
                     let place = |p: DVec3| to_scene.transform_point3(p);
                     let turn = |n: Vec3| (normals * n.as_dvec3()).as_vec3a();
-                    meshes.push(self.mesh(geometry_number, *surface, triangles, place, turn, progress)?);
+                    let mut mesh = self.mesh(geometry_number, *surface, triangles, place, turn, progress)?;
+                    if is_mirrored(&to_scene) {
+                        mesh.triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
+                        mesh.facets.iter_mut().for_each(|facet| facet.is_swapped = true);
+                    }
+                    meshes.push(mesh);
                 }
                 Geometry::Analytic { shapes, surfaces } => {
                     for (primitive, (shape, surface)) in shapes.start.iter().zip(surfaces.iter()).enumerate() {
@@ -180,7 +189,12 @@ impl Scene {
             primitives: (0..triangles.len() as u32).collect(),
             facets: triangles
                 .iter()
-                .map(|t| Facet { geometry, primitive, corners: t.map(|corner| single[corner as usize]) })
+                .map(|t| Facet {
+                    geometry,
+                    primitive,
+                    corners: t.map(|corner| single[corner as usize]),
+                    is_swapped: false,
+                })
                 .collect(),
             triangles,
         }
@@ -196,7 +210,7 @@ impl Scene {
 
 impl Facet {
     pub(super) fn triangle(geometry: u32, primitive: u32) -> Self {
-        Self { geometry, primitive, corners: [[0.0; 3]; 3] }
+        Self { geometry, primitive, corners: [[0.0; 3]; 3], is_swapped: false }
     }
 
     /// The part of the same analytic shape with these corners.
@@ -206,7 +220,8 @@ impl Facet {
 
     /// Returns the hit of a ray that arrives at this point.
     pub(crate) fn hit(&self, b1: f32, b2: f32) -> Hit {
-        Hit { t: 0.0, u: b1, v: b2, primitive: self.primitive, geometry: self.geometry }
+        let [u, v] = in_order(self.is_swapped, [b1, b2]);
+        Hit { t: 0.0, u, v, primitive: self.primitive, geometry: self.geometry }
     }
 
     /// Returns the point of an analytic shape above the point of the flat facet.

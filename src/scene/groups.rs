@@ -13,9 +13,13 @@ use super::mesh;
 use super::record::address;
 use crate::control::WorkProgress;
 use crate::desc::{GroupDesc, MeshDesc, PlacementDesc, SceneDesc, ShapeDesc, SurfaceDesc};
-use crate::embree::{self, Device};
+use crate::embree::{self, Device, MAX_COORDINATE};
 use crate::error::Result;
 use crate::math::{Bounds, DAffine3};
+
+/// A group has one hierarchy where it is at most this many times as wide as the smallest of its meshes. Vertices are rounded to
+/// single precision about the middle of the group: by 6 * 10⁻⁵ of that mesh at most.
+const WIDEST_GROUP: f64 = 1e3;
 
 /// A placement whose meshes are one instance.
 #[derive(Clone, Debug)]
@@ -44,10 +48,17 @@ impl WholePlacement {
 
 /// Returns the placements that are instances as wholes: those of groups whose meshes have together as many triangles as a mesh has that is
 /// instanced by itself.
-pub(super) fn wholes(desc: &SceneDesc, is_dynamic: bool) -> Vec<WholePlacement> {
+pub(super) fn wholes(
+    desc: &SceneDesc,
+    is_dynamic: bool,
+    mut bounds_of: impl FnMut(&Arc<MeshDesc>) -> Result<Bounds>,
+) -> Result<Vec<WholePlacement>> {
     let candidates: Vec<Option<Arc<[usize]>>> = match desc.placements.is_empty() {
         true => Vec::new(),
-        false => desc.groups.iter().map(|group| members(desc, group, is_dynamic)).collect(),
+        false => {
+            let mut members = |group: &Arc<GroupDesc>| members(desc, group, is_dynamic, &mut bounds_of);
+            desc.groups.iter().map(&mut members).collect::<Result<_>>()?
+        }
     };
     let mut uses = vec![0; candidates.len()];
     let mut wholes = Vec::new();
@@ -61,35 +72,52 @@ pub(super) fn wholes(desc: &SceneDesc, is_dynamic: bool) -> Vec<WholePlacement> 
     }
     // What is there only once is faster in the hierarchy of the scene.
     wholes.retain(|whole| is_dynamic || uses[whole.desc(desc).group] > 1);
-    wholes
+    Ok(wholes)
 }
 
 /// The mesh of a member that can be in the hierarchy of its group.
 fn mesh_of<'a>(desc: &'a SceneDesc, member: &SurfaceDesc) -> Option<&'a Arc<MeshDesc>> {
+    let emits = || member.emission.is_some() || desc.material_of(member).is_some_and(|it| it.emission.is_some());
     match member.shape {
-        ShapeDesc::Mesh { mesh, .. } if member.emission.is_none() && !desc.motion.meshes.contains_key(&mesh) => {
-            desc.meshes.get(mesh)
+        ShapeDesc::Mesh { mesh, .. } if !emits() && !desc.motion.meshes.contains_key(&mesh) => {
+            // A host's mesh stays in the host's memory.
+            desc.meshes.get(mesh).filter(|mesh| mesh.host.is_none())
         }
         _ => None,
     }
 }
 
 /// The members of a group that are in its hierarchy; `None` where it has none of its own.
-fn members(desc: &SceneDesc, group: &GroupDesc, is_dynamic: bool) -> Option<Arc<[usize]>> {
+fn members(
+    desc: &SceneDesc,
+    group: &GroupDesc,
+    is_dynamic: bool,
+    mut bounds_of: impl FnMut(&Arc<MeshDesc>) -> Result<Bounds>,
+) -> Result<Option<Arc<[usize]>>> {
     let mut members = Vec::new();
     let mut triangles = 0;
     for (number, member) in group.members.iter().enumerate() {
         if let Some(mesh) = mesh_of(desc, member) {
-            // A host's mesh stays in the host's memory.
-            if mesh.host.is_some() {
-                return None;
-            }
             triangles += mesh.triangle_count();
             members.push(number);
         }
     }
     let least = if is_dynamic { OBJECT_TRIANGLES } else { INSTANCE_TRIANGLES };
-    (members.len() > 1 && triangles > least).then(|| members.into())
+    if members.len() < 2 || triangles <= least {
+        return Ok(None);
+    }
+    let (mut whole, mut smallest) = (Bounds::EMPTY, f64::INFINITY);
+    for member in members.iter().map(|member| &group.members[*member]) {
+        if let Some(mesh) = mesh_of(desc, member) {
+            let own = bounds_of(mesh)?.transformed(&member.to_world());
+            smallest = smallest.min((own.max - own.min).length());
+            whole = whole.union(own);
+        }
+    }
+    let across = (whole.max - whole.min).length();
+    // What is small in a wide group would lose digits, and the kernel has no room for some groups that are placed smaller.
+    let is_fine = across <= WIDEST_GROUP * smallest && across < f64::from(MAX_COORDINATE);
+    Ok(is_fine.then(|| members.into()))
 }
 
 /// Whether the surfaces of a placement are still where the group has them, and the kernel can invert its transform.
@@ -367,6 +395,92 @@ mod tests {
         let scene = build(&desc);
         assert_eq!(instances(&scene).1, 3);
         assert_alike(&scene, &build(&apart(&desc)));
+    }
+
+    /// What is lit by its material is outside, as is what the host holds, and what is small in a wide group has digits of its own.
+    #[test]
+    fn groups_are_whole_where_that_costs_nothing() {
+        let shining = |desc: &mut SceneDesc| {
+            let lamp = desc::MaterialDesc { emission: Some(Rgb::ONE), ..desc.materials[0].clone() };
+            let lamp = desc.add_material_desc(desc::MaterialDesc { name: "lamp".into(), ..lamp }).unwrap();
+            let group = std::sync::Arc::make_mut(&mut desc.groups[0]);
+            group.members[0].material = Some(lamp);
+            for placement in 0..4 {
+                desc.set_surface_material(1 + 5 * placement, Some(lamp)).unwrap();
+            }
+        };
+        let mut desc = bunches(80);
+        shining(&mut desc);
+        let scene = build(&desc);
+        assert_eq!((instances(&scene).0.len(), instances(&scene).1), (8, 4));
+        assert_alike(&scene, &build(&apart(&desc)));
+
+        // The first sheet is moved away from the others, by as much as each placement is shrunk to stay in place.
+        for (distance, is_whole) in [(1e3, true), (1e5, false), (1e19, false)] {
+            let mut desc = bunches(50);
+            let far = DAffine3::from_translation(DVec3::X * distance);
+            let group = std::sync::Arc::make_mut(&mut desc.groups[0]);
+            group.members[0].transform = far * group.members[0].transform;
+            for placement in 0..4 {
+                let shrunk = DAffine3::from_scale(DVec3::splat(1.0 / distance)) * desc.placements[placement].transform;
+                desc.set_placement_transform(placement, shrunk).unwrap();
+            }
+            assert_eq!(instances(&build(&desc)).1, if is_whole { 4 } else { 0 }, "{distance}");
+        }
+    }
+
+    /// A placement that the shutter shows at rest is one instance; one that moves meanwhile is not.
+    #[test]
+    fn placements_are_posed_as_wholes() {
+        let mut desc = bunches(50);
+        let key = |time: f64, x: f64| desc::MotionKey {
+            time,
+            place: desc::KeyPlace::Matrix(DAffine3::from_translation(DVec3::new(x, 0.5, 0.0))),
+        };
+        let motion = desc::MotionDesc { keys: vec![key(0.0, 0.3), key(1.0, 0.6)] };
+        desc.set_placement_motion(1, Some(motion)).unwrap();
+        let scene = build(&desc);
+        assert_eq!(instances(&scene).1, 4);
+        assert_alike(&scene, &build(&apart(&desc)));
+        desc.motion.shutter.close = 0.5;
+        assert_eq!(instances(&build(&desc)).1, 3);
+    }
+
+    #[test]
+    fn groups_without_any_area_are_no_instances() {
+        let mut desc = bunches(50);
+        desc.set_mesh(
+            0,
+            MeshDesc {
+                positions: vec![DVec3::ZERO; desc.meshes[0].positions.len()],
+                ..MeshDesc::clone(&desc.meshes[0])
+            },
+        )
+        .unwrap();
+        let scene = Scene::build(&desc, &BuildOptions { dynamic: true, ..BuildOptions::default() }).unwrap();
+        assert_eq!(instances(&scene), (Vec::new(), 0));
+        assert!(scene.info().decisions.iter().any(|it| it.contains("0 uses of larger meshes")));
+    }
+
+    /// Triangles of surfaces wind about their outer sides, in mirrored instances too, and facets have their corners in the same order.
+    #[test]
+    fn facets_of_mirrored_placements_face_outwards() {
+        let scene = build(&bunches(50));
+        let mut mirrored = 0;
+        for mesh in scene.surface_meshes(&crate::Cancel::new()).unwrap() {
+            if !mesh.is_mesh {
+                continue;
+            }
+            for (corners, facet) in mesh.triangles.iter().zip(&mesh.facets) {
+                let [a, b, c] = corners.map(|corner| mesh.positions[corner as usize]);
+                let at = scene.facet_point(facet, 0.25, 0.5);
+                let expected = scene.to_scene(0.25 * a + 0.25 * b + 0.5 * c);
+                assert!((at.point.p - expected).length() < 1e-5, "{} {expected}", at.point.p);
+                assert!((b - a).cross(c - a).dot(at.ng.as_dvec3()) > 0.0);
+            }
+            mirrored += usize::from(mesh.surface > 15);
+        }
+        assert_eq!(mirrored, 3);
     }
 
     #[test]

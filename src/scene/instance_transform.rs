@@ -64,6 +64,7 @@ pub(super) struct InstancePath {
     start: InstanceTransform,
     /// The transforms at moments evenly spaced from time 0 to time 1; empty where the instance is at rest.
     steps: Box<[DAffine3]>,
+    is_of_group: bool,
 }
 
 impl InstancePath {
@@ -71,12 +72,17 @@ impl InstancePath {
     pub(super) fn new(steps: &[DAffine3]) -> Self {
         let start = InstanceTransform::new(steps[0]);
         let steps = if steps.len() == 1 { [].into() } else { steps.iter().map(rounded).collect() };
-        Self { start, steps }
+        Self { start, steps, is_of_group: false }
     }
 
-    /// Whether the instance does not move.
-    pub(super) fn rests(&self) -> bool {
-        self.steps.is_empty()
+    /// The path of a group at rest.
+    pub(super) fn of_group(to_scene: DAffine3) -> Self {
+        Self { is_of_group: true, ..Self::new(&[to_scene]) }
+    }
+
+    /// Whether the frame of the instance is that of a group, and not that of a mesh.
+    pub(super) fn is_of_group(&self) -> bool {
+        self.is_of_group
     }
 
     /// The transform at time 0.

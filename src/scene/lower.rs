@@ -76,7 +76,7 @@ pub(super) fn lower(
     cancel: &Cancel,
     mut bounds_of: impl FnMut(&Arc<MeshDesc>) -> Result<Bounds>,
 ) -> Result<Lowered> {
-    let mut lowered = Lowered { wholes: groups::wholes(desc, is_dynamic), ..Lowered::default() };
+    let mut lowered = Lowered { wholes: groups::wholes(desc, is_dynamic, &mut bounds_of)?, ..Lowered::default() };
     let in_whole: HashSet<usize> = lowered.wholes.iter().flat_map(|whole| whole.surfaces(desc)).collect();
     let mut uses: HashMap<(usize, bool), usize> = HashMap::new();
     for (number, surface) in desc.surfaces.iter().enumerate() {

@@ -89,6 +89,7 @@ pub(super) fn posed(desc: &SceneDesc) -> Result<Cow<'_, SceneDesc>> {
             posed.motion.surfaces.remove(&number);
         }
     }
+    pose_placements(desc, &mut posed, interval);
     for (&number, motion) in &desc.motion.lights {
         let path = motion.path();
         if path.rests_in(interval) {
@@ -103,6 +104,27 @@ pub(super) fn posed(desc: &SceneDesc) -> Result<Cow<'_, SceneDesc>> {
         }
     }
     Ok(Cow::Owned(posed))
+}
+
+/// Poses placements whose surfaces have one motion, which rests in the interval, as wholes.
+fn pose_placements(desc: &SceneDesc, posed: &mut SceneDesc, interval: [f64; 2]) {
+    for (number, placement) in desc.placements.iter().enumerate().filter(|(_, it)| !it.hidden) {
+        let motion = |surface: usize| desc.motion.surfaces.get(&surface);
+        let Some(first) = placement.surfaces.clone().next().and_then(motion) else { continue };
+        let Some(group) = desc.groups.get(placement.group) else { continue };
+        let path = first.path();
+        let is_one = placement.surfaces.clone().all(|surface| motion(surface) == Some(first));
+        if !is_one || !path.rests_in(interval) || placement.surfaces.end > posed.surfaces.len() {
+            continue;
+        }
+        let transform = path.at(interval[0]) * placement.transform;
+        posed.placements[number].transform = transform;
+        for (surface, member) in placement.surfaces.clone().zip(&group.members) {
+            if desc.surfaces[surface].transform == placement.transform * member.transform {
+                posed.surfaces[surface].transform = transform * member.transform;
+            }
+        }
+    }
 }
 
 /// A point light where its path has it at a time \[s\].

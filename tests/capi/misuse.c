@@ -453,6 +453,12 @@ static etd_status n_scene_remove_placement(void) {
     CHECK_OK(etd_scene_place_group(scene, group_number, NULL, &placed, NULL));
     return CALL(etd_scene_remove_placement(SCENE(0), placed));
 }
+static etd_status n_scene_remove_group(void) {
+    const uint32_t surfaces[1] = {1};
+    uint32_t number = 0;
+    CHECK_OK(etd_scene_add_group(scene, NULL, surfaces, 1, &number));
+    return CALL(etd_scene_remove_group(SCENE(0), number));
+}
 static etd_status n_scene_find_group(void) {
     uint32_t *number = AT(2, output(sizeof *number));
     return CALL(etd_scene_find_group(SCENE(0), AT(1, "pair"), number));
@@ -1078,6 +1084,7 @@ static const struct {
     {"etd_scene_set_placement_motion", n_scene_set_placement_motion, 2, 3, 1},
     {"etd_scene_get_placement", n_scene_get_placement, 5, 1, 1},
     {"etd_scene_remove_placement", n_scene_remove_placement, 1, 1, 1},
+    {"etd_scene_remove_group", n_scene_remove_group, 1, 1, 1},
     {"etd_scene_find_group", n_scene_find_group, 3, 7, 1},
     {"etd_scene_add_mesh", n_scene_add_mesh, 3, 7, 1},
     {"etd_scene_add_mesh_file", n_scene_add_mesh_file, 4, 13, 1},

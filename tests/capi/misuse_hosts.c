@@ -202,6 +202,15 @@ static void groups_are_placed(void) {
     memset(moved, 0, sizeof moved);
     CHECK_STATUS(etd_scene_place_group(of, group, moved, &number, NULL), ETD_INVALID_ARGUMENT);
     CHECK(number == 77 && seen_at(of, 12, NULL) == parts[1] + 2);
+    CHECK_STATUS(etd_scene_get_placement(of, placed, NULL, (uint32_t *)(void *)((char *)wrong + 1), NULL, NULL), ETD_INVALID_ARGUMENT);
+    CHECK_STATUS(etd_scene_place_group(of, group, NULL, &number, (uint32_t *)(void *)((char *)wrong + 1)), ETD_INVALID_ARGUMENT);
+
+    /* Groups go where they are not placed. */
+    CHECK_STATUS(etd_scene_remove_group(of, group), ETD_INVALID_SCENE);
+    CHECK_OK(etd_scene_remove_group(of, more));
+    CHECK_STATUS(etd_scene_remove_group(of, more), ETD_INVALID_SCENE);
+    CHECK_STATUS(etd_scene_place_group(of, more, NULL, &number, NULL), ETD_INVALID_SCENE);
+    CHECK_STATUS(etd_scene_remove_group(of, 99), ETD_INVALID_ARGUMENT);
     etd_scene_release(of);
     etd_device_release(on);
 }

@@ -12,8 +12,8 @@ use std::time::{Duration, Instant};
 use etendue::Result;
 use etendue::desc::{
     self, BsdfDesc, CacheDesc, CropDesc, FilterDesc, HostMesh, KernelDesc, LightDistribution, LoadOptions,
-    MAX_NEIGHBOURS, MAX_PHOTONS, MeshDesc, MeshStep, PhotonDesc, PointLightDesc, RenderDesc, SceneDesc, SceneIndex,
-    ShapeDesc, SpectrumTarget, SpotDesc, SurfaceLook,
+    MAX_NEIGHBOURS, MAX_PHOTONS, MaterialDesc, MeshDesc, MeshStep, PhotonDesc, PointLightDesc, RenderDesc, SceneDesc,
+    SceneIndex, ShapeDesc, SpectrumTarget, SpotDesc, SurfaceLook,
 };
 use etendue::math::{Bounds, DAffine3, DVec3};
 use etendue::scene::{BuildOptions, Scene};
@@ -544,7 +544,30 @@ fn groups_are_made_placed_moved_and_removed() {
     desc.remove_surface(user).unwrap();
     let error = desc.remove_mesh(mesh).unwrap_err();
     assert!(error.message().contains("groups[1] uses the mesh"), "{error}");
-    desc.place_group(bunch, shift(1.0)).unwrap();
+    let placed = desc.place_group(bunch, shift(1.0)).unwrap();
+    Scene::build(&desc, &BuildOptions::default()).unwrap();
+    // Edits know of surfaces that groups keep.
+    let white = desc.add_material("matt", BsdfDesc::Lambert { albedo: Rgb::ONE }, None).unwrap();
+    let (cone, local) = ShapeDesc::cone(DVec3::ZERO, DVec3::Y, 1.0, 1.0).unwrap();
+    let look = SurfaceLook { material: Some(white), ..SurfaceLook::default() };
+    let cone = desc.add_surface(cone, local, look).unwrap();
+    let cones = desc.add_group("cones", &[cone]).unwrap();
+    desc.remove_surface(cone).unwrap();
+    let shining = MaterialDesc { emission: Some(Rgb::ONE), ..desc.materials[white].clone() };
+    let error = desc.set_material_desc(white, shining.clone()).unwrap_err();
+    assert!(error.message().starts_with("groups[2].surfaces[0] cannot have this material"), "{error}");
+    desc.remove_group(cones).unwrap();
+    desc.set_material_desc(white, shining).unwrap();
+    // Groups that are placed stay; those that are not go, with their names.
+    let error = desc.remove_group(bunch).unwrap_err();
+    assert!(error.message().contains("placements[1] places the group"), "{error}");
+    desc.remove_placement(placed).unwrap();
+    desc.remove_group(bunch).unwrap();
+    for error in [desc.remove_group(bunch).unwrap_err(), desc.place_group(bunch, shift(0.0)).unwrap_err()] {
+        assert!(error.message().contains("group 1 was removed"), "{error}");
+    }
+    assert_eq!(desc.find_group("bunch"), None);
+    desc.remove_mesh(mesh).unwrap();
     Scene::build(&desc, &BuildOptions::default()).unwrap();
 }
 

@@ -114,7 +114,7 @@ fn check(scene: &SceneDesc) -> Result<()> {
         validate::mesh(&mesh.path, mesh)?;
     }
     let members = scene.groups.iter().flat_map(|group| &group.members);
-    for surface in scene.surfaces.iter().chain(members).filter(|surface| !surface.hidden) {
+    for surface in scene.surfaces.iter().filter(|surface| !surface.hidden).chain(members) {
         let path = &surface.path;
         surface.shape.check(path)?;
         validate::invertible(path, &surface.to_world())?;
@@ -259,7 +259,8 @@ fn document(
         surface::write(surface, emits_both(scene, surface), webs.of_surface(surface), motion, names)
     };
     let mut groups = List::new("groups");
-    for (number, group) in scene.groups.iter().enumerate() {
+    // Groups that were removed are empty.
+    for (number, group) in scene.groups.iter().enumerate().filter(|(_, group)| !group.members.is_empty()) {
         let members: Vec<_> = group.members.iter().map(|member| text(member, None)).collect::<Result<_>>()?;
         groups.put(out, &group_keys::write(&names.groups[number], &members)?)?;
     }
