@@ -24,7 +24,8 @@ pub struct GroupDesc {
     pub path: String,
     /// What placements call it; empty where it has no name.
     pub name: String,
-    /// The surfaces, at least one but for a group that was removed. Their [`transform`](SurfaceDesc::transform) leads to the frame of the group. No ray meets them here.
+    /// The surfaces, none where the group was removed. Their [`transform`](SurfaceDesc::transform) leads to the frame of the group. No
+    /// ray meets them here.
     pub members: Vec<SurfaceDesc>,
 }
 
@@ -76,9 +77,9 @@ impl SceneDesc {
     /// moved or removed. `transform` is from the group's frame to the world.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidScene`] at `placements[..]` for a number that no group has or that belongs to a removed group, and at its `.transform` for one that is not
-    /// invertible; for each surface the errors of [`Self::set_transform`]; [`ErrorKind::Unsupported`] for more than
-    /// [`MAX_PLACED_SURFACES`] surfaces; [`ErrorKind::OutOfMemory`].
+    /// [`ErrorKind::InvalidScene`] at `placements[..]` for a number that no group has or that belongs to a removed group, and at its
+    /// `.transform` for one that is not invertible; for each surface the errors of [`Self::set_transform`];
+    /// [`ErrorKind::Unsupported`] for more than [`MAX_PLACED_SURFACES`] surfaces; [`ErrorKind::OutOfMemory`].
     pub fn place_group(&mut self, group: usize, transform: DAffine3) -> Result<usize> {
         let path = format!("placements[{}]", self.placements.len());
         let first = self.surfaces.len();
@@ -111,7 +112,8 @@ impl SceneDesc {
     /// Sets the motion of all surfaces of a placement, which they make as one, or removes it.
     ///
     /// # Errors
-    /// The errors of [`Self::set_surface_motion`], at the placement, and an error for a number that no placement has or that belongs to a removed placement.
+    /// The errors of [`Self::set_surface_motion`], at the placement, and an error for a number that no placement has or that belongs to a
+    /// removed placement.
     pub fn set_placement_motion(&mut self, placement: usize, motion: Option<MotionDesc>) -> Result<()> {
         let known = self.live_placement(placement)?;
         if let Some(motion) = &motion {
