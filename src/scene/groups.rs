@@ -75,6 +75,15 @@ pub(super) fn wholes(
     Ok(wholes)
 }
 
+/// For each surface, whether it is in an instance of these; empty where there are none.
+pub(super) fn in_wholes(desc: &SceneDesc, wholes: &[WholePlacement]) -> Vec<bool> {
+    let mut inside = if wholes.is_empty() { Vec::new() } else { vec![false; desc.surfaces.len()] };
+    for number in wholes.iter().flat_map(|whole| whole.surfaces(desc)) {
+        inside[number] = true;
+    }
+    inside
+}
+
 /// The mesh of a member that can be in the hierarchy of its group.
 fn mesh_of<'a>(desc: &'a SceneDesc, member: &SurfaceDesc) -> Option<&'a Arc<MeshDesc>> {
     let emits = || member.emission.is_some() || desc.material_of(member).is_some_and(|it| it.emission.is_some());

@@ -4,7 +4,7 @@
 //! All coordinates are in double precision and in the world frame. The builder shifts them to the scene frame and
 //! rounds them.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::geometry::Part;
@@ -77,13 +77,14 @@ pub(super) fn lower(
     mut bounds_of: impl FnMut(&Arc<MeshDesc>) -> Result<Bounds>,
 ) -> Result<Lowered> {
     let mut lowered = Lowered { wholes: groups::wholes(desc, is_dynamic, &mut bounds_of)?, ..Lowered::default() };
-    let in_whole: HashSet<usize> = lowered.wholes.iter().flat_map(|whole| whole.surfaces(desc)).collect();
+    let in_whole = groups::in_wholes(desc, &lowered.wholes);
+    let in_whole = |number: usize| in_whole.get(number).is_some_and(|is_inside| *is_inside);
     let mut uses: HashMap<(usize, bool), usize> = HashMap::new();
     for (number, surface) in desc.surfaces.iter().enumerate() {
         if let ShapeDesc::Mesh { mesh, smooth } = surface.shape
             && surface.emission.is_none()
             && !surface.hidden
-            && !in_whole.contains(&number)
+            && !in_whole(number)
         {
             *uses.entry((mesh, smooth)).or_default() += 1;
         }
@@ -126,15 +127,14 @@ pub(super) fn lower(
                 let is_large = is_shared && count > INSTANCE_TRIANGLES || is_dynamic && count > OBJECT_TRIANGLES;
                 // Emitters are in the scene frame, so a mesh that emits is copied there, even a host's mesh. A mesh is
                 // also copied if its transform cannot be inverted accurately enough for the kernel to find it.
-                let wanted = surface.emission.is_none()
-                    && (is_large || description.host.is_some())
-                    && !in_whole.contains(&number);
+                let wanted =
+                    surface.emission.is_none() && (is_large || description.host.is_some()) && !in_whole(number);
                 let instanced = wanted && inverts_well(&to_world);
                 if wanted && !instanced {
                     lowered.copied.push(number);
                 }
                 let target = if instanced { &mut lowered.instances } else { &mut lowered.meshes };
-                if !in_whole.contains(&number) {
+                if !in_whole(number) {
                     target.push(MeshUse { mesh, smooth, surface: number });
                 }
                 // The box of a transformed box is larger than necessary. The difference moves the centre only slightly,
