@@ -10,6 +10,7 @@ use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
+use super::group::has_mesh;
 use super::json::{elided, join};
 use super::mesh_files::{self, Part, Parts};
 use super::texture_check;
@@ -113,8 +114,7 @@ impl SceneDesc {
         material_check::check(&mut to, &self.materials[..material])?;
         texture_check::bindings(&to, &self.textures, &self.materials[..material])?;
         if to.emission.is_some() && known.emission.is_none() || !to.is_opaque() && known.is_opaque() {
-            let members = self.groups.iter().flat_map(|group| &group.members);
-            let users = self.surfaces.iter().filter(|surface| !surface.hidden).chain(members);
+            let users = self.surfaces.iter().filter(|surface| !surface.hidden).chain(self.members());
             for user in users.filter(|surface| surface.material == Some(material)) {
                 validate::look(&user.path, user.emission, &to, &user.shape, &user.to_world()).map_err(|error| {
                     let key = if to.emission.is_some() { "emission" } else { "opacity" };
@@ -250,9 +250,7 @@ impl SceneDesc {
         for surface in users.iter().filter_map(|number| self.surfaces.get(*number)) {
             validate::extent(&surface.path, &extent, &surface.to_world())?;
         }
-        let members = self.groups.iter().flat_map(|group| &group.members);
-        let has_mesh = |member: &&SurfaceDesc| matches!(member.shape, ShapeDesc::Mesh { mesh: own, .. } if own == mesh);
-        for member in members.filter(has_mesh) {
+        for member in self.members().filter(|member| has_mesh(member, mesh)) {
             validate::extent(&member.path, &extent, &member.to_world())?;
         }
         let data = Arc::new(MeshDesc { name, path, ..data });

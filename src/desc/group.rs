@@ -151,12 +151,7 @@ impl SceneDesc {
     /// removed group.
     pub fn remove_group(&mut self, group: usize) -> Result<()> {
         let path = format!("groups[{group}]");
-        let Some(known) = self.groups.get(group) else {
-            return Err(none_such(&path, "group", group, self.groups.len()));
-        };
-        if known.members.is_empty() {
-            return Err(Error::invalid(path, format!("group {group} was removed")));
-        }
+        let known = Arc::clone(self.live_group(&path, group)?);
         if let Some(user) = self.placements.iter().find(|it| it.group == group && !it.hidden) {
             let message = format!("{} places the group, expected one that is not placed", user.path);
             return Err(Error::invalid(path, message));
@@ -220,13 +215,8 @@ impl SceneDesc {
         transform: DAffine3,
         path_of: impl Fn(usize) -> String,
     ) -> Result<usize> {
-        let Some(known) = self.groups.get(group).map(Arc::clone) else {
-            return Err(none_such(&path, "group", group, self.groups.len()));
-        };
+        let known = Arc::clone(self.live_group(&path, group)?);
         validate::invertible(&join(&path, "transform"), &transform)?;
-        if known.members.is_empty() {
-            return Err(Error::invalid(path, format!("group {group} was removed")));
-        }
         let first = self.surfaces.len();
         let surfaces = first..first.saturating_add(known.members.len());
         self.check_count(&path, known.members.len())?;
@@ -286,11 +276,30 @@ impl SceneDesc {
         Ok(known)
     }
 
+    /// The surfaces that groups keep.
+    pub(super) fn members(&self) -> impl Iterator<Item = &SurfaceDesc> {
+        self.groups.iter().flat_map(|group| &group.members)
+    }
+
     /// The path of a group that has a member with this mesh.
     pub(super) fn group_with_mesh(&self, mesh: usize) -> Option<&str> {
-        let has_mesh = |member: &SurfaceDesc| matches!(member.shape, ShapeDesc::Mesh { mesh: own, .. } if own == mesh);
-        self.groups.iter().find(|group| group.members.iter().any(has_mesh)).map(|group| group.path.as_str())
+        let uses = |group: &&Arc<GroupDesc>| group.members.iter().any(|member| has_mesh(member, mesh));
+        self.groups.iter().find(uses).map(|group| group.path.as_str())
     }
+
+    /// Returns a group, or an error if it does not exist or was removed. `path` is where its number is used.
+    fn live_group(&self, path: &str, group: usize) -> Result<&Arc<GroupDesc>> {
+        let known = self.groups.get(group).ok_or_else(|| none_such(path, "group", group, self.groups.len()))?;
+        if known.members.is_empty() {
+            return Err(Error::invalid(path, format!("group {group} was removed")));
+        }
+        Ok(known)
+    }
+}
+
+/// Whether a surface shows this mesh.
+pub(super) fn has_mesh(surface: &SurfaceDesc, mesh: usize) -> bool {
+    matches!(surface.shape, ShapeDesc::Mesh { mesh: own, .. } if own == mesh)
 }
 
 /// The same surface in a frame that scene files can give: a frame of its shape that no key can say becomes a part of its transform. So the

@@ -122,19 +122,18 @@ pub(super) fn lower(
             }
             &ShapeDesc::Mesh { mesh, smooth } => {
                 let description = mesh_of(desc, surface, mesh)?;
-                let is_shared = uses.get(&(mesh, smooth)).is_some_and(|&uses| uses > 1);
-                let count = description.triangle_count();
-                let is_large = is_shared && count > INSTANCE_TRIANGLES || is_dynamic && count > OBJECT_TRIANGLES;
-                // Emitters are in the scene frame, so a mesh that emits is copied there, even a host's mesh. A mesh is
-                // also copied if its transform cannot be inverted accurately enough for the kernel to find it.
-                let wanted =
-                    surface.emission.is_none() && (is_large || description.host.is_some()) && !in_whole(number);
-                let instanced = wanted && inverts_well(&to_world);
-                if wanted && !instanced {
-                    lowered.copied.push(number);
-                }
-                let target = if instanced { &mut lowered.instances } else { &mut lowered.meshes };
                 if !in_whole(number) {
+                    let is_shared = uses.get(&(mesh, smooth)).is_some_and(|&uses| uses > 1);
+                    let count = description.triangle_count();
+                    let is_large = is_shared && count > INSTANCE_TRIANGLES || is_dynamic && count > OBJECT_TRIANGLES;
+                    // Emitters are in the scene frame, so a mesh that emits is copied there, even a host's mesh. A mesh is
+                    // also copied if its transform cannot be inverted accurately enough for the kernel to find it.
+                    let wanted = surface.emission.is_none() && (is_large || description.host.is_some());
+                    let instanced = wanted && inverts_well(&to_world);
+                    if wanted && !instanced {
+                        lowered.copied.push(number);
+                    }
+                    let target = if instanced { &mut lowered.instances } else { &mut lowered.meshes };
                     target.push(MeshUse { mesh, smooth, surface: number });
                 }
                 // The box of a transformed box is larger than necessary. The difference moves the centre only slightly,
@@ -185,33 +184,32 @@ fn check_volumes(desc: &SceneDesc, lowered: &Lowered, cancel: &Cancel) -> Result
     if let Some((_, part)) = lowered.triangles.iter().find(|(corners, _)| is_lost(*corners, across)) {
         return lost(part.surface as usize, "it".to_owned());
     }
+    // Of a mesh in this frame, in which the scene is so far across.
+    let check = |number: usize, mesh: usize, frame: DAffine3, across: f64| {
+        cancel.check()?;
+        let mesh = mesh_of(desc, &desc.surfaces[number], mesh)?;
+        let corners = |i| mesh.triangle(i).map(|corner: u32| frame.transform_point3(mesh.position(corner as usize)));
+        match (0..mesh.triangle_count()).find(|&i| is_lost(corners(i), across)) {
+            Some(triangle) => lost(number, format!("triangle {triangle} of {}", mesh.name)),
+            None => Ok(()),
+        }
+    };
     let copied = lowered.meshes.iter().map(|mesh_use| (mesh_use, false));
     for (mesh_use, is_instance) in copied.chain(lowered.instances.iter().map(|mesh_use| (mesh_use, true))) {
-        cancel.check()?;
-        let surface = &desc.surfaces[mesh_use.surface];
-        let mesh = mesh_of(desc, surface, mesh_use.mesh)?;
+        let to_world = desc.surfaces[mesh_use.surface].to_world();
         // Rays are intersected with an instance in the instance's own frame.
-        let (frame, across) = if is_instance {
-            (DAffine3::IDENTITY, across * shrink(&surface.to_world()))
-        } else {
-            (surface.to_world(), across)
+        let (frame, across) = match is_instance {
+            true => (DAffine3::IDENTITY, across * shrink(&to_world)),
+            false => (to_world, across),
         };
-        let corners = |i| mesh.triangle(i).map(|corner: u32| frame.transform_point3(mesh.position(corner as usize)));
-        if let Some(triangle) = (0..mesh.triangle_count()).find(|&i| is_lost(corners(i), across)) {
-            return lost(mesh_use.surface, format!("triangle {triangle} of {}", mesh.name));
-        }
+        check(mesh_use.surface, mesh_use.mesh, frame, across)?;
     }
     for whole in &lowered.wholes {
         let across = across * shrink(&whole.desc(desc).transform);
         for (surface, member) in whole.surfaces(desc).zip(&*whole.members) {
-            cancel.check()?;
-            let ShapeDesc::Mesh { mesh, .. } = desc.surfaces[surface].shape else { continue };
-            let mesh = mesh_of(desc, &desc.surfaces[surface], mesh)?;
-            let frame = whole.group(desc).members[*member].to_world();
-            let corners =
-                |i| mesh.triangle(i).map(|corner: u32| frame.transform_point3(mesh.position(corner as usize)));
-            if let Some(triangle) = (0..mesh.triangle_count()).find(|&i| is_lost(corners(i), across)) {
-                return lost(surface, format!("triangle {triangle} of {}", mesh.name));
+            let member = &whole.group(desc).members[*member];
+            if let ShapeDesc::Mesh { mesh, .. } = member.shape {
+                check(surface, mesh, member.to_world(), across)?;
             }
         }
     }

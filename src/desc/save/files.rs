@@ -25,8 +25,7 @@ impl WebFiles {
     pub fn named(scene: &SceneDesc, mut name: impl FnMut(usize, &Web) -> Result<String>) -> Result<Self> {
         let mut known = Self::default();
         let of_lights = scene.lights.iter().filter_map(|light| Some((web_of_light(light)?, &light.path)));
-        let members = scene.groups.iter().flat_map(|group| &group.members);
-        let surfaces = scene.surfaces.iter().chain(members);
+        let surfaces = scene.surfaces.iter().chain(scene.members());
         let of_surfaces = surfaces.filter_map(|surface| Some((web_of_surface(surface)?, &surface.path)));
         for (web, path) in of_lights.chain(of_surfaces) {
             if !known.names.contains_key(&Arc::as_ptr(web)) {

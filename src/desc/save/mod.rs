@@ -113,8 +113,7 @@ fn check(scene: &SceneDesc) -> Result<()> {
     for mesh in scene.meshes.iter().filter(|mesh| mesh.triangle_count() > 0) {
         validate::mesh(&mesh.path, mesh)?;
     }
-    let members = scene.groups.iter().flat_map(|group| &group.members);
-    for surface in scene.surfaces.iter().filter(|surface| !surface.hidden).chain(members) {
+    for surface in scene.surfaces.iter().filter(|surface| !surface.hidden).chain(scene.members()) {
         let path = &surface.path;
         surface.shape.check(path)?;
         validate::invertible(path, &surface.to_world())?;
