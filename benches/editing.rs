@@ -10,7 +10,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use etendue::desc::{
-    BsdfDesc, CameraDesc, FilmDesc, FovAxis, MaterialDesc, MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc,
+    BsdfDesc, CameraDesc, FilmDesc, FovAxis, MaterialDesc, MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc, Surfaces,
 };
 use etendue::embree::{Device, DeviceOptions};
 use etendue::math::{DAffine3, DVec3, Ray, Vec3};
@@ -75,11 +75,11 @@ fn scene(mesh: MeshDesc) -> SceneDesc {
         },
         materials: vec![material("a"), material("b")],
         meshes: vec![Arc::new(mesh)],
-        surfaces: vec![
+        surfaces: Surfaces::from_iter([
             surface(ShapeDesc::Mesh { mesh: 0, smooth: false }, DAffine3::IDENTITY, None),
             surface(ShapeDesc::Quad(quad(-1.0)), DAffine3::IDENTITY, None),
             surface(ShapeDesc::Quad(quad(3.0)), DAffine3::IDENTITY, Some(Rgb::ONE)),
-        ],
+        ]),
         ..SceneDesc::default()
     }
 }

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use etendue::buffer::Buffer;
 use etendue::desc::{
     BsdfDesc, CameraDesc, FilmDesc, FovAxis, HostMesh, MaterialDesc, MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc,
+    Surfaces,
 };
 use etendue::embree::{Device, DeviceOptions};
 use etendue::math::{DAffine3, DVec3};
@@ -69,7 +70,7 @@ fn scene(mesh: MeshDesc, smooth: bool, emission: Option<Rgb>) -> SceneDesc {
             ..MaterialDesc::default()
         }],
         meshes: vec![Arc::new(mesh)],
-        surfaces: vec![SurfaceDesc {
+        surfaces: Surfaces::from_iter([SurfaceDesc {
             path: "surfaces[0]".into(),
             name: String::new(),
             shape: ShapeDesc::Mesh { mesh: 0, smooth },
@@ -81,7 +82,7 @@ fn scene(mesh: MeshDesc, smooth: bool, emission: Option<Rgb>) -> SceneDesc {
             web: None,
             spectrum: None,
             hidden: false,
-        }],
+        }]),
         ..SceneDesc::default()
     }
 }

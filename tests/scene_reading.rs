@@ -789,7 +789,8 @@ fn lights_are_point_lights_or_black_surfaces_that_emit() {
         (scene.lights[0].intensity, scene.lights[1].intensity),
         (Rgb::new(4.0, 2.0, 0.0), Rgb::new(1.0, 0.5, 0.0))
     );
-    let [area, dark] = scene.surfaces.as_slice() else { panic!("two surfaces") };
+    let [area, dark] = [0, 1].map(|number| &scene.surfaces[number]);
+    assert_eq!(scene.surfaces.len(), 2);
     assert_eq!((area.path.as_str(), area.emission, dark.emission), ("lights[2]", Some(Rgb::new(6.0, 4.0, 2.0)), None));
     assert_eq!(area.shape, ShapeDesc::Triangle([DVec3::ZERO, DVec3::X, DVec3::Y]));
     assert_eq!((area.material, dark.material), (None, None));

@@ -11,7 +11,7 @@ use super::scene::etd_scene;
 use super::status::{Failure, Result, etd_status};
 use super::types::{etd_camera, etd_material};
 use super::{camera, read};
-use crate::desc::MaterialDesc;
+use crate::desc::{MaterialDesc, SurfaceDesc, Surfaces};
 use crate::math::DVec3;
 use crate::spectrum::Rgb;
 
@@ -199,7 +199,14 @@ pub(super) unsafe fn vector(pointer: *const f64, name: &str) -> Result<DVec3> {
 
 /// Returns an item by its number.
 pub(super) fn find<'a, T>(items: &'a [T], number: u32, what: &str) -> Result<&'a T> {
-    items
-        .get(number as usize)
-        .ok_or_else(|| Failure::argument(format!("there is no {what} {number}, only {}", items.len())))
+    items.get(number as usize).ok_or_else(|| none_such(what, number, items.len()))
+}
+
+/// The surface of a number, removed or not.
+pub(super) fn find_surface(surfaces: &Surfaces, number: u32) -> Result<&SurfaceDesc> {
+    surfaces.get(number as usize).ok_or_else(|| none_such("surface", number, surfaces.len()))
+}
+
+fn none_such(what: &str, number: u32, count: usize) -> Failure {
+    Failure::argument(format!("there is no {what} {number}, only {count}"))
 }

@@ -3,7 +3,7 @@
 use std::ffi::c_char;
 
 use super::boundary::{items, need, on, optional_text};
-use super::describe::find;
+use super::describe::{find, find_surface};
 use super::motion::motion;
 use super::read;
 use super::scene::etd_scene;
@@ -39,7 +39,7 @@ pub unsafe extern "C" fn etd_scene_add_group(
                 return Err(Failure::argument("count is 0, expected one surface at least"));
             }
             for number in numbers {
-                find(&scene.desc().surfaces, *number, "surface")?;
+                find_surface(&scene.desc().surfaces, *number)?;
             }
             let numbers: Vec<usize> = numbers.iter().map(|number| *number as usize).collect();
             let group = scene.edit(|desc| desc.add_group(name, &numbers))?;

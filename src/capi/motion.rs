@@ -1,7 +1,7 @@
 //! Calls that make things move, and that say when the shutter is open. The rules of `describe` hold here too.
 
 use super::boundary::{items, on, read_sized, write_sized};
-use super::describe::find;
+use super::describe::{find, find_surface};
 use super::read;
 use super::scene::etd_scene;
 use super::status::{Failure, Result, etd_status};
@@ -86,7 +86,7 @@ pub unsafe extern "C" fn etd_scene_set_surface_motion(
     // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
-            find(&scene.desc().surfaces, surface, "surface")?;
+            find_surface(&scene.desc().surfaces, surface)?;
             let motion = motion(keys, count)?;
             scene.edit(|desc| desc.set_surface_motion(surface as usize, motion))
         })

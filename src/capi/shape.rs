@@ -1,7 +1,7 @@
 //! Calls that say what the surfaces and meshes of a scene are, whoever described them.
 
 use super::boundary::{on, write_sized};
-use super::describe::find;
+use super::describe::{find, find_surface};
 use super::read;
 use super::scene::etd_scene;
 use super::status::{Failure, Result, etd_status};
@@ -83,7 +83,7 @@ pub unsafe extern "C" fn etd_scene_get_shape(
     unsafe {
         on(scene, |scene| {
             let desc = scene.desc();
-            write_sized(out_shape, "out_shape", shape_of(find(&desc.surfaces, surface, "surface")?))
+            write_sized(out_shape, "out_shape", shape_of(find_surface(&desc.surfaces, surface)?))
         })
     }
 }

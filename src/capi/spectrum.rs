@@ -3,7 +3,7 @@
 use std::ptr;
 
 use super::boundary::{items, on, read_sized, write_sized};
-use super::describe::find;
+use super::describe::{find, find_surface};
 use super::read::enumeration;
 use super::scene::etd_scene;
 use super::status::{Failure, Result, etd_status};
@@ -75,7 +75,7 @@ fn found(desc: &SceneDesc, target: u32, number: u32) -> Result<SpectrumTarget> {
     let index = number as usize;
     let key = match target {
         ETD_SPECTRUM_OF_SURFACE => {
-            let surface = find(&desc.surfaces, number, "surface")?;
+            let surface = find_surface(&desc.surfaces, number)?;
             if surface.hidden {
                 return Err(Failure::argument(format!("surface {number} was removed")));
             }

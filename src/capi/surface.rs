@@ -6,13 +6,13 @@ use std::ptr;
 use std::sync::Arc;
 
 use super::boundary::{array, copy_text, need, on, optional_text, read_sized, text, write_sized};
-use super::describe::{find, vector};
+use super::describe::{find, find_surface, vector};
 use super::light::contents;
 use super::read;
 use super::scene::etd_scene;
 use super::status::{Failure, Result, etd_status};
 use super::types::{ETD_NONE, etd_surface, etd_surface_web};
-use crate::desc::{AreaWebDesc, ShapeDesc, SurfaceDesc, SurfaceLook, below};
+use crate::desc::{AreaWebDesc, ShapeDesc, SurfaceDesc, SurfaceLook, Surfaces, below};
 use crate::math::{Bounds, DAffine3, DVec3};
 
 /// Adds a sphere with its normals outwards. `centre`: three numbers; `radius` > 0. A transform that stretches the sphere makes
@@ -284,7 +284,7 @@ pub unsafe extern "C" fn etd_scene_remove_surface(scene: *mut etd_scene, surface
     // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
-            find(&scene.desc().surfaces, surface, "surface")?;
+            find_surface(&scene.desc().surfaces, surface)?;
             scene.edit(|desc| desc.remove_surface(surface as usize))
         })
     }
@@ -305,7 +305,7 @@ pub unsafe extern "C" fn etd_scene_set_transform(
     // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
-            find(&scene.desc().surfaces, surface, "surface")?;
+            find_surface(&scene.desc().surfaces, surface)?;
             need(transform, "transform")?;
             let transform = optional_transform(transform)?;
             scene.edit(|desc| desc.set_transform(surface as usize, transform))
@@ -328,7 +328,7 @@ pub unsafe extern "C" fn etd_scene_set_surface_material(
     // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
-            find(&scene.desc().surfaces, surface, "surface")?;
+            find_surface(&scene.desc().surfaces, surface)?;
             find_material(scene, number)?;
             scene.edit(|desc| desc.set_surface_material(surface as usize, material))
         })
@@ -349,7 +349,7 @@ pub unsafe extern "C" fn etd_scene_set_emission(
     // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
-            find(&scene.desc().surfaces, surface, "surface")?;
+            find_surface(&scene.desc().surfaces, surface)?;
             let radiance = if radiance.is_null() { [0.0; 3] } else { array(radiance, "radiance")? };
             scene.edit(|desc| desc.set_emission(surface as usize, read::emission(radiance)))
         })
@@ -369,15 +369,15 @@ pub unsafe extern "C" fn etd_scene_set_emits_both(scene: *mut etd_scene, surface
     // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
-            find(&scene.desc().surfaces, surface, "surface")?;
+            find_surface(&scene.desc().surfaces, surface)?;
             scene.edit(|desc| desc.set_emits_both(surface as usize, both != 0))
         })
     }
 }
 
 /// The surface of a number that was not removed.
-fn live(surfaces: &[SurfaceDesc], number: u32) -> Result<&SurfaceDesc> {
-    let it = find(surfaces, number, "surface")?;
+fn live(surfaces: &Surfaces, number: u32) -> Result<&SurfaceDesc> {
+    let it = find_surface(surfaces, number)?;
     if it.hidden { Err(Failure::argument(format!("surface {number} was removed"))) } else { Ok(it) }
 }
 
@@ -396,7 +396,7 @@ pub unsafe extern "C" fn etd_scene_set_surface_name(
     // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
-            find(&scene.desc().surfaces, surface, "surface")?;
+            find_surface(&scene.desc().surfaces, surface)?;
             let name = optional_text(name, "name")?;
             scene.rename(|desc| desc.set_surface_name(surface as usize, name))
         })
@@ -448,13 +448,13 @@ pub unsafe extern "C" fn etd_scene_set_surface_web(
     // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
-            find(&scene.desc().surfaces, surface, "surface")?;
+            find_surface(&scene.desc().surfaces, surface)?;
             if web.is_null() {
                 return scene.edit(|desc| desc.set_surface_web(surface as usize, None));
             }
             let it = read_sized(web, "web")?;
             let desc = scene.desc();
-            let known = find(&desc.surfaces, surface, "surface")?;
+            let known = find_surface(&desc.surfaces, surface)?;
             let intensities = match contents(it.file, it.text, it.text_bytes, &format!("{}.web", known.path))? {
                 Some(intensities) => intensities,
                 None => match &known.web {
@@ -488,7 +488,7 @@ pub unsafe extern "C" fn etd_scene_get_surface_web(
     unsafe {
         on(scene, |scene| {
             let desc = scene.desc();
-            let it = find(&desc.surfaces, surface, "surface")?;
+            let it = find_surface(&desc.surfaces, surface)?;
             let Some(web) = it.web.as_ref().filter(|_| !it.hidden) else {
                 return Err(Failure::argument(format!("surface {surface} has no photometric web")));
             };

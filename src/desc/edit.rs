@@ -13,6 +13,7 @@ use std::sync::Arc;
 use super::group::has_mesh;
 use super::json::{elided, join};
 use super::mesh_files::{self, Part, Parts};
+use super::surfaces::BlockFacts;
 use super::texture_check;
 use super::warnings::warn;
 use super::{
@@ -114,7 +115,10 @@ impl SceneDesc {
         material_check::check(&mut to, &self.materials[..material])?;
         texture_check::bindings(&to, &self.textures, &self.materials[..material])?;
         if to.emission.is_some() && known.emission.is_none() || !to.is_opaque() && known.is_opaque() {
-            let users = self.surfaces.iter().filter(|surface| !surface.hidden).chain(self.members());
+            let has_users = |facts: &BlockFacts| facts.has(|it| it == Some(material));
+            let shown =
+                self.surfaces.of_blocks(has_users).map(|(_, surface)| surface).filter(|surface| !surface.hidden);
+            let users = shown.chain(self.members());
             for user in users.filter(|surface| surface.material == Some(material)) {
                 validate::look(&user.path, user.emission, &to, &user.shape, &user.to_world()).map_err(|error| {
                     let key = if to.emission.is_some() { "emission" } else { "opacity" };
@@ -497,9 +501,10 @@ impl SceneDesc {
                 material_check::check(&mut material.clone(), &self.materials[..number])?;
             }
         }
-        for surface in self.surfaces.iter().filter(|surface| !surface.hidden) {
-            let Some(material) = self.material_of(surface) else { continue };
-            if material.emission.is_some() || !material.is_opaque() {
+        let is_special = |material: &MaterialDesc| material.emission.is_some() || !material.is_opaque();
+        let is_one = |number: Option<usize>| number.and_then(|it| self.materials.get(it)).is_some_and(is_special);
+        for (_, surface) in self.surfaces.of_blocks(|facts| facts.has(is_one)) {
+            if let Some(material) = self.material_of(surface).filter(|it| !surface.hidden && is_special(it)) {
                 validate::look(&surface.path, surface.emission, material, &surface.shape, &surface.to_world())?;
             }
         }

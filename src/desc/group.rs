@@ -7,7 +7,7 @@ use super::edit::none_such;
 use super::json::{elided, join};
 use super::{AreaWebDesc, MotionDesc, SceneDesc, ShapeDesc, SurfaceDesc, surface, validate};
 use crate::math::DAffine3;
-use crate::room::{add_room, check_room, with_room};
+use crate::room::{check_room, with_room};
 use crate::{Error, ErrorKind, Result};
 
 /// Most surfaces that a description with groups has, those of groups and those that were removed among them. Groups of groups of groups
@@ -220,8 +220,7 @@ impl SceneDesc {
         let first = self.surfaces.len();
         let surfaces = first..first.saturating_add(known.members.len());
         self.check_count(&path, known.members.len())?;
-        add_room(&mut self.surfaces, known.members.len())?;
-        check_room_of_texts(&known.members)?;
+        check_room_of_copies(&known.members)?;
         for (number, member) in known.members.iter().enumerate() {
             let path = path_of(number);
             let placed = SurfaceDesc { path, transform: transform * member.transform, ..member.clone() };
@@ -314,9 +313,9 @@ fn in_written_frame(member: SurfaceDesc) -> SurfaceDesc {
     SurfaceDesc { local: DAffine3::IDENTITY, transform, web: member.web.map(turned), ..member }
 }
 
-/// Fails where there is no room for the names and paths of copies of these surfaces, each of which is asked for by itself later.
-fn check_room_of_texts(members: &[SurfaceDesc]) -> Result<()> {
-    let bytes = members.iter().map(|member| member.name.len() + BYTES_OF_A_PATH);
+/// Fails where there is no room for copies of these surfaces, with their names and paths, which are asked for in small parts later.
+fn check_room_of_copies(members: &[SurfaceDesc]) -> Result<()> {
+    let bytes = members.iter().map(|member| size_of::<SurfaceDesc>() + member.name.len() + BYTES_OF_A_PATH);
     check_room(bytes.fold(0, usize::saturating_add))
 }
 

@@ -117,10 +117,10 @@ pub(super) fn as_placed<'a>(
     if placement.hidden || placement.surfaces.len() != group.members.len() {
         return None;
     }
-    let surfaces = scene.surfaces.get(placement.surfaces.clone())?;
-    let pairs = || surfaces.iter().zip(&group.members);
+    let surfaces = scene.surfaces.range(placement.surfaces.clone())?;
+    let pairs = || surfaces.clone().zip(&group.members);
     let has_own_names = pairs().all(|(surface, member)| surface.name == member.name);
-    let name = if has_own_names { "" } else { surfaces.first()?.name.as_str() };
+    let name = if has_own_names { "" } else { surfaces.clone().next()?.name.as_str() };
     let motion = scene.motion.surfaces.get(&placement.surfaces.start);
     let moves_so = |number: usize| scene.motion.surfaces.get(&number) == motion;
     let is_named_so = |surface: &SurfaceDesc| has_own_names || !name.is_empty() && surface.name == name;

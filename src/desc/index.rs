@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Weak};
 
-use super::object::{MeshDesc, ShapeDesc, SurfaceDesc};
+use super::object::{MeshDesc, ShapeDesc};
+use super::surfaces::Surfaces;
 use crate::math::Bounds;
 
 /// Names, extents of meshes and users of meshes. The readers and the calls keep them beside the lists of a
@@ -54,7 +55,7 @@ impl SceneIndex {
     }
 
     /// Records the surfaces that were added since the last call.
-    pub(super) fn see(&mut self, surfaces: &[SurfaceDesc]) {
+    pub(super) fn see(&mut self, surfaces: &Surfaces) {
         if self.seen > surfaces.len() {
             self.uses.clear();
             self.seen = 0;
@@ -84,7 +85,7 @@ impl SceneIndex {
     }
 
     /// Returns the surfaces that use a mesh, in order.
-    pub(super) fn users(&mut self, mesh: usize, surfaces: &[SurfaceDesc]) -> Vec<usize> {
+    pub(super) fn users(&mut self, mesh: usize, surfaces: &Surfaces) -> Vec<usize> {
         self.see(surfaces);
         let shows = |number: &usize| {
             surfaces.get(*number).is_some_and(|surface| {

@@ -108,6 +108,7 @@ mod spectrum_file;
 mod spectrum_keys;
 mod sun;
 mod surface;
+mod surfaces;
 mod texture;
 mod texture_check;
 mod texture_keys;
@@ -165,6 +166,8 @@ pub use shared_mesh::SharedMesh;
 pub use spectrum::{LightSpectrum, MOST_SPECTRUM_SAMPLES, SpectrumDesc, SpectrumKey, StandardIlluminant};
 pub use spectrum_edit::SpectrumTarget;
 pub use sun::sun_direction;
+pub(crate) use surfaces::BlockFacts;
+pub use surfaces::{SurfaceIter, SurfaceIterMut, Surfaces};
 pub(crate) use texture::Parameter;
 pub use texture::{
     ImageTextureDesc, Projection, TextureBinding, TextureChannel, TextureDesc, TextureKey, TextureMapping,

@@ -14,6 +14,7 @@ use super::material::{Body, MaterialDesc};
 use super::motion::SceneMotion;
 use super::object::{MeshDesc, SurfaceDesc};
 use super::render::RenderDesc;
+use super::surfaces::Surfaces;
 use super::texture::TextureDesc;
 
 /// A whole scene and its render settings.
@@ -42,8 +43,8 @@ pub struct SceneDesc {
     /// Meshes, named by index from surfaces. One mesh may be used many times. A mesh that is the same `Arc` in the
     /// description of an edited scene is not built again.
     pub meshes: Vec<Arc<MeshDesc>>,
-    /// Surfaces that rays can hit.
-    pub surfaces: Vec<SurfaceDesc>,
+    /// Surfaces that rays can hit. Those that an edited description shares with the one before it are not looked at again.
+    pub surfaces: Surfaces,
     /// Groups of surfaces, named by index from placements. A group that is the same `Arc` in the description of an edited scene is not
     /// built again.
     pub groups: Vec<Arc<GroupDesc>>,
@@ -73,8 +74,8 @@ impl SceneDesc {
     /// For each material, whether a surface has it. A scene is made for these materials alone; parts of others count as theirs.
     pub(crate) fn used_materials(&self) -> Vec<bool> {
         let mut used = vec![false; self.materials.len()];
-        for surface in self.surfaces.iter().filter(|surface| !surface.hidden) {
-            if let Some(used) = surface.material.and_then(|material| used.get_mut(material)) {
+        for it in self.surfaces.blocks().flat_map(|block| &block.facts().materials) {
+            if let Some(used) = it.material.and_then(|material| used.get_mut(material)) {
                 *used = true;
             }
         }

@@ -3,7 +3,9 @@
 use std::ops::ControlFlow;
 
 use super::Calculation;
-use crate::desc::{EnvironmentDesc, GridDesc, GridPoints, SceneDesc, SceneMotion, SkyDesc, SpectrumKey, TextureKey};
+use crate::desc::{
+    EnvironmentDesc, GridDesc, GridPoints, SceneDesc, SceneMotion, SkyDesc, SpectrumKey, Surfaces, TextureKey,
+};
 use crate::error::{Error, ErrorKind, Result};
 use crate::math::DVec3;
 use crate::render::RenderSettings;
@@ -46,7 +48,7 @@ pub fn exterior_illuminance(desc: &SceneDesc, settings: &RenderSettings) -> Resu
     let up = sky(desc)?;
     // What moves is gone with its motion.
     let outside = SceneDesc {
-        surfaces: Vec::new(),
+        surfaces: Surfaces::default(),
         lights: Vec::new(),
         distant_lights: Vec::new(),
         motion: SceneMotion::default(),

@@ -64,7 +64,7 @@ pub(super) fn assemble(
     progress.expect(first_guess(desc, old));
     // All surfaces are lowered to the world frame, in double precision.
     let mut mesh_bounds = old.map(GeometryRecord::mesh_bounds).unwrap_or_default();
-    let lowered = lower::lower(desc, is_dynamic, &progress.cancel, |mesh: &Arc<MeshDesc>| {
+    let lowered = lower::lower(desc, is_dynamic, old, &progress.cancel, |mesh: &Arc<MeshDesc>| {
         match mesh_bounds.get(&address(mesh)) {
             Some(bounds) => Ok(*bounds),
             None => {
@@ -109,14 +109,14 @@ pub(super) fn assemble(
     assembler.wholes(&lowered.wholes)?;
     assembler.moving(&lowered.moving)?;
     let (list, list_surfaces) = assembler.shapes(&lowered, options.listed_shapes.unwrap_or(LISTED_SHAPES))?;
-    assembler.finish(list, list_surfaces)
+    assembler.finish(list, list_surfaces, lowered.block_bounds)
 }
 
 /// Estimates the units of work when only the sizes of the meshes are known.
 fn first_guess(desc: &SceneDesc, old: Option<&GeometryRecord>) -> f64 {
     let mut seen = HashSet::new();
     let mut units = 0.0;
-    for surface in &desc.surfaces {
+    for (_, surface) in desc.surfaces.meshes() {
         if let ShapeDesc::Mesh { mesh, smooth } = surface.shape
             && let Some(mesh) = desc.meshes.get(mesh)
             && !surface.hidden
@@ -159,11 +159,13 @@ impl Assembler<'_, '_> {
 
     /// Returns the units of work that remain.
     fn exact_cost(&self, lowered: &Lowered) -> f64 {
-        let loose = lowered.triangles.len();
         let of_singles =
             |count: usize, is_there| if is_there { 0.0 } else { (cost::TEST + cost::HIERARCHY) * count as f64 };
-        let mut units = of_singles(lowered.shapes.len(), self.old_singles.shapes.is_some());
-        units += of_singles(loose, self.old_singles.triangles.is_some()) + bindings::triangles_cost(loose);
+        let mut units = of_singles(lowered.shapes, self.old_singles.shapes.is_some());
+        units += of_singles(lowered.triangles, self.old_singles.triangles.is_some());
+        if self.old_singles.triangles.is_none() {
+            units += bindings::triangles_cost(lowered.triangles);
+        }
         for mesh_use in &lowered.meshes {
             let mesh = self.mesh(mesh_use);
             let triangles = mesh.triangle_count();
@@ -190,14 +192,15 @@ impl Assembler<'_, '_> {
         if self.reuse_triangles()? {
             return Ok(());
         }
-        let count = lowered.triangles.len();
+        let lowered = lower::triangles(self.desc, lowered)?;
+        let count = lowered.len();
         let charge = self.device.charge(12 * (4 * count + 1))?.map(Arc::new);
         let mut vertices = with_room(3 * count + 1)?;
         let mut parts: Vec<Part> = with_room(count)?;
         let mut dropped: HashMap<u32, usize> = HashMap::new();
         let centre = self.centre;
         self.progress.each(count, cost::TEST, |i| {
-            let (corners, part) = &lowered.triangles[i];
+            let (corners, part) = &lowered[i];
             let corners = corners.map(|corner| (corner - centre).as_vec3a());
             if Triangle::new(corners).is_some() {
                 parts.push(*part);
@@ -384,7 +387,7 @@ impl Assembler<'_, '_> {
     /// Places the analytic shapes in a list in front of Embree while they are few, and in user geometry when they are
     /// many.
     fn shapes(&mut self, lowered: &Lowered, limit: usize) -> Result<(AnalyticList, Vec<u32>)> {
-        let count = lowered.shapes.len();
+        let count = lowered.shapes;
         if count > limit {
             self.facts.embree_shapes += count;
             self.facts.decisions.push(format!(
@@ -394,10 +397,10 @@ impl Assembler<'_, '_> {
                 return Ok((AnalyticList::default(), Vec::new()));
             }
         }
-        let mut shapes = Vec::with_capacity(lowered.shapes.len());
-        self.progress
-            .each(lowered.shapes.len(), cost::TEST, |i| shapes.push(lowered.shapes[i].0.in_scene(self.centre)))?;
-        let surfaces: Vec<u32> = lowered.shapes.iter().map(|(_, surface)| *surface as u32).collect();
+        let lowered = lower::shapes(self.desc, lowered)?;
+        let mut shapes = with_room(count)?;
+        self.progress.each(count, cost::TEST, |i| shapes.push(lowered[i].0.in_scene(self.centre)))?;
+        let surfaces: Vec<u32> = lowered.iter().map(|(_, surface)| *surface as u32).collect();
         if shapes.len() <= limit {
             self.facts.listed_shapes = shapes.len();
             return Ok((AnalyticList::new(shapes), surfaces));
@@ -412,7 +415,12 @@ impl Assembler<'_, '_> {
         Ok((AnalyticList::default(), Vec::new()))
     }
 
-    fn finish(mut self, list: AnalyticList, list_surfaces: Vec<u32>) -> Result<Assembly> {
+    fn finish(
+        mut self,
+        list: AnalyticList,
+        list_surfaces: Vec<u32>,
+        block_bounds: Vec<Option<Bounds>>,
+    ) -> Result<Assembly> {
         let embree = if self.geometries.is_empty() {
             None
         } else {
@@ -433,7 +441,7 @@ impl Assembler<'_, '_> {
             ShapeDesc::Mesh { mesh, smooth } => Some((address(self.desc.meshes.get(mesh)?), smooth)),
             _ => None,
         };
-        let named: HashSet<ObjectKey> = self.desc.surfaces.iter().filter_map(named).collect();
+        let named: HashSet<ObjectKey> = self.desc.surfaces.meshes().filter_map(|(_, surface)| named(surface)).collect();
         self.known.meshes.retain(|key, _| named.contains(key));
         let groups: HashSet<usize> = self.desc.groups.iter().map(group_address).collect();
         self.known.groups.retain(|address, _| groups.contains(address));
@@ -442,7 +450,7 @@ impl Assembler<'_, '_> {
             &self.mesh_bounds,
             self.known,
             list_surfaces,
-            self.facts,
+            (self.facts, block_bounds),
             self.is_dynamic,
             self.singles,
         );

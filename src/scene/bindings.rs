@@ -4,6 +4,7 @@
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
+use super::Scene;
 use super::analytic::AnalyticList;
 use super::cost;
 use super::emission_webs::{EmissionWeb, emission_webs};
@@ -17,6 +18,7 @@ use super::textured_emission::{EmissionTexture, MOST_PIECES, emission_textures};
 use crate::control::WorkProgress;
 use crate::desc::{
     EnvironmentDesc, LightDistribution, LightSpectrum, PointLightDesc, PortalDesc, SceneDesc, SkyDesc, SpectrumDesc,
+    Surfaces,
 };
 use crate::emitter::{
     DirectedPoint, DiskEmitter, DistantEmitter, Distribution, Emitter, EmitterSet, EnvironmentEmitter, EnvironmentMap,
@@ -59,13 +61,52 @@ pub(super) fn triangles_cost(count: usize) -> f64 {
     cost::EMITTER * count as f64
 }
 
+/// What the scene before has that the bindings of an edited description can keep.
+#[derive(Default)]
+pub(super) struct Kept<'a> {
+    /// The light of the environment.
+    pub environment: Option<Arc<EnvironmentMap>>,
+    /// The owners of single surfaces.
+    pub owners: Option<KeptOwners<'a>>,
+}
+
+/// The owners in the scene before.
+#[derive(Clone, Copy)]
+pub(super) struct KeptOwners<'a> {
+    geometries: &'a [Geometry],
+    owners: &'a [Owners],
+    /// The blocks of surfaces with other materials, where there are any; see [`AppearanceKey::reclad`].
+    reclad: Option<&'a [bool]>,
+}
+
+impl<'a> KeptOwners<'a> {
+    pub(super) fn new(scene: &'a Scene, reclad: Option<&'a [bool]>) -> Self {
+        Self { geometries: &scene.geometries, owners: &scene.bindings.owners, reclad }
+    }
+
+    /// Those of a geometry that the scene before has too, if it is one of single surfaces.
+    fn of(&self, geometry: &Geometry) -> Option<&'a Arc<[Owner]>> {
+        let is_same = |old: &Geometry| match (old, geometry) {
+            (Geometry::Loose { parts: old, .. }, Geometry::Loose { parts, .. }) => Arc::ptr_eq(old, parts),
+            (Geometry::Analytic { surfaces: old, .. }, Geometry::Analytic { surfaces, .. }) => {
+                Arc::ptr_eq(old, surfaces)
+            }
+            _ => false,
+        };
+        match &self.owners[self.geometries.iter().position(is_same)?] {
+            Owners::Each(each) => Some(each),
+            Owners::One(_) => None,
+        }
+    }
+}
+
 /// Builds the tables of owners and the emitters of a scene from its description. Textures of lamps are prepared by at most
-/// `threads` threads. `kept` is the light of the environment where it was made before.
+/// `threads` threads.
 pub(super) fn bindings(
     desc: &SceneDesc,
     unbound: UnboundGeometry,
     threads: usize,
-    kept: Option<Arc<EnvironmentMap>>,
+    kept: Kept<'_>,
     progress: &WorkProgress,
 ) -> Result<SurfaceBindings> {
     let textures = emission_textures(desc, unbound.centre, threads)?;
@@ -82,9 +123,13 @@ pub(super) fn bindings(
         spectra: EmissionSpectra::default(),
     };
     dresser.point_lights(unbound.centre)?;
-    let owners = unbound.geometries.iter().map(|geometry| dresser.geometry(geometry)).collect::<Result<_>>()?;
+    let mut geometry = |geometry| match kept.owners.and_then(|kept| Some((kept.of(geometry)?, kept.reclad))) {
+        Some((owners, reclad)) => dresser.edited(geometry, owners, reclad),
+        None => dresser.geometry(geometry),
+    };
+    let owners = unbound.geometries.iter().map(&mut geometry).collect::<Result<_>>()?;
     let list_owners = dresser.analytic(unbound.list.shapes(), &[], unbound.list_surfaces)?;
-    dresser.light_from_infinity(&unbound, kept, threads)?;
+    dresser.light_from_infinity(&unbound, kept.environment, threads)?;
     let pairs = dresser.append_backs()?;
     let spectra = dresser.spectra.lights()?;
     let emitters = EmitterSet::cancellable(dresser.emitters, &progress.cancel)?.with_backs(&pairs);
@@ -92,9 +137,12 @@ pub(super) fn bindings(
     Ok(SurfaceBindings { owners, list_owners: list_owners.into(), emitters: Arc::new(emitters) })
 }
 
-/// Returns the bindings with the same emitters and the materials of `appearance`.
-pub(super) fn rebind_materials(old: &SurfaceBindings, appearance: &AppearanceKey) -> SurfaceBindings {
-    let owner = |owner: &Owner| Owner { material: appearance.materials[owner.surface as usize], ..*owner };
+/// Returns the bindings with the same emitters and the materials of `appearance`, which are others in these blocks of surfaces.
+pub(super) fn rebind_materials(old: &SurfaceBindings, appearance: &AppearanceKey, reclad: &[bool]) -> SurfaceBindings {
+    let owner = |owner: &Owner| match reclad[Surfaces::place_of(owner.surface as usize)] {
+        true => Owner { material: appearance.material(owner.surface), ..*owner },
+        false => *owner,
+    };
     let owners = old.owners.iter().map(|owners| match owners {
         Owners::One(one) => Owners::One(owner(one)),
         Owners::Each(each) => Owners::Each(each.iter().map(owner).collect()),
@@ -342,7 +390,7 @@ impl BindingBuilder<'_, '_> {
                         .and_then(|radiance| self.emit(geometry, triangles, i, surface, radiance));
                     owners.push(self.owner(surface, emitter.unwrap_or(NO_EMITTER)));
                 })?;
-                Ok(Owners::Each(owners))
+                Ok(Owners::Each(owners.into()))
             }
             &Geometry::Flat { ref triangles, surface, .. } => {
                 let mut first = NO_EMITTER;
@@ -357,9 +405,47 @@ impl BindingBuilder<'_, '_> {
             }
             &Geometry::Instance { surface, .. } => Ok(Owners::One(self.owner(surface, NO_EMITTER))),
             Geometry::Analytic { shapes, surfaces } => {
-                self.analytic(&shapes.start, &shapes.moving, surfaces).map(Owners::Each)
+                let owners = self.analytic(&shapes.start, &shapes.moving, surfaces)?;
+                Ok(Owners::Each(owners.into()))
             }
         }
+    }
+
+    /// The owners of single surfaces that had these owners before. Only the lamps among them, and the surfaces of blocks with other
+    /// materials, are looked at.
+    fn edited(&mut self, geometry: &Geometry, before: &Arc<[Owner]>, reclad: Option<&[bool]>) -> Result<Owners> {
+        let lamps = self.desc.surfaces.of_blocks(|facts| facts.emits).map(|(number, _)| number as u32);
+        let lamps: Vec<u32> = lamps.filter(|number| self.emission(*number).is_some()).collect();
+        // The owners of a surface are neighbours, and the surfaces are in order.
+        let of = |lamp: u32| {
+            let first = before.partition_point(|owner| owner.surface < lamp);
+            first..first + before[first..].partition_point(|owner| owner.surface == lamp)
+        };
+        let lit: Vec<usize> = lamps.into_iter().flat_map(of).collect();
+        if lit.is_empty() && reclad.is_none() && before.iter().all(|owner| owner.emitter == NO_EMITTER) {
+            return Ok(Owners::Each(Arc::clone(before)));
+        }
+        let is_reclad = |surface: u32| reclad.is_some_and(|reclad| reclad[Surfaces::place_of(surface as usize)]);
+        let owner = |owner: &Owner| match is_reclad(owner.surface) {
+            true => self.owner(owner.surface, NO_EMITTER),
+            false => Owner { emitter: NO_EMITTER, ..*owner },
+        };
+        let mut owners = with_room(before.len())?;
+        owners.extend(before.iter().map(owner));
+        let emits_both = lit.iter().any(|i| self.emits_both(owners[*i].surface));
+        self.make_room(lit.len(), emits_both)?;
+        for i in lit {
+            let surface = owners[i].surface;
+            let Some(radiance) = self.emission(surface) else { continue };
+            owners[i].emitter = match geometry {
+                Geometry::Analytic { shapes, .. } => self.emit_shape(&shapes.start[i], None, surface, radiance)?,
+                Geometry::Loose { triangles, .. } => {
+                    self.emit(geometry, triangles, i, surface, radiance).unwrap_or(NO_EMITTER)
+                }
+                Geometry::Flat { .. } | Geometry::Instance { .. } => NO_EMITTER,
+            };
+        }
+        Ok(Owners::Each(owners.into()))
     }
 
     /// Refuses lamps that move and whose radiance a texture varies.
@@ -470,39 +556,50 @@ impl BindingBuilder<'_, '_> {
 
     fn analytic(&mut self, shapes: &[Analytic], moving: &[MovingShape], surfaces: &[u32]) -> Result<Vec<Owner>> {
         let owner = |(number, (shape, &surface)): (usize, (&Analytic, &u32))| {
-            let mut emitter = NO_EMITTER;
-            if let Some(radiance) = self.emission(surface) {
-                // The light of a textured ball is worked out at thousands of its points.
-                self.progress.check()?;
-                let mut other = None;
-                let emission = match (moving.get(number).and_then(MovingShape::spheres), shape) {
-                    (Some(steps), _) => {
-                        Emitter::Moving(Box::new(MovingEmitter::Sphere { steps: steps.into(), radiance }))
-                    }
-                    (None, Analytic::Sphere(sphere)) => self.sphere(*sphere, surface, radiance),
-                    (None, _) if !moving.is_empty() => return Err(self.cannot_move(surface)),
-                    (None, Analytic::Disk(disk)) => match self.webs.get(&surface) {
-                        Some(web) => {
-                            other = Some(web.disk(disk.flipped(), true));
-                            web.disk(*disk, false)
-                        }
-                        None => {
-                            let disk = DiskEmitter::new(*disk, radiance);
-                            other = Some(Emitter::Disk(Box::new(disk.flipped())));
-                            Emitter::Disk(Box::new(disk))
-                        }
-                    },
-                    // Of the quadrics, only cylinders have an emission.
-                    (None, Analytic::Quadric(tube)) => {
-                        let tube = TubeEmitter::new(*tube.to_scene(), radiance);
-                        other = Some(Emitter::InnerTube(Box::new(InnerTubeEmitter::new(tube))));
-                        Emitter::Tube(Box::new(tube))
-                    }
-                };
-                emitter = self.push(surface, emission, other.filter(|_| self.emits_both(surface)));
-            }
+            let emitter = match self.emission(surface) {
+                Some(radiance) => self.emit_shape(shape, moving.get(number), surface, radiance)?,
+                None => NO_EMITTER,
+            };
             Ok(self.owner(surface, emitter))
         };
         shapes.iter().zip(surfaces).enumerate().map(owner).collect()
+    }
+
+    /// Makes an emitter of a shape, with `moving` where it moves, and returns its number.
+    fn emit_shape(
+        &mut self,
+        shape: &Analytic,
+        moving: Option<&MovingShape>,
+        surface: u32,
+        radiance: Rgb,
+    ) -> Result<u32> {
+        // The light of a textured ball is worked out at thousands of its points.
+        self.progress.check()?;
+        let mut other = None;
+        let emission = match (moving.map(MovingShape::spheres), shape) {
+            (Some(Some(steps)), _) => {
+                Emitter::Moving(Box::new(MovingEmitter::Sphere { steps: steps.into(), radiance }))
+            }
+            (Some(None), Analytic::Disk(_) | Analytic::Quadric(_)) => return Err(self.cannot_move(surface)),
+            (_, Analytic::Sphere(sphere)) => self.sphere(*sphere, surface, radiance),
+            (None, Analytic::Disk(disk)) => match self.webs.get(&surface) {
+                Some(web) => {
+                    other = Some(web.disk(disk.flipped(), true));
+                    web.disk(*disk, false)
+                }
+                None => {
+                    let disk = DiskEmitter::new(*disk, radiance);
+                    other = Some(Emitter::Disk(Box::new(disk.flipped())));
+                    Emitter::Disk(Box::new(disk))
+                }
+            },
+            // Of the quadrics, only cylinders have an emission.
+            (None, Analytic::Quadric(tube)) => {
+                let tube = TubeEmitter::new(*tube.to_scene(), radiance);
+                other = Some(Emitter::InnerTube(Box::new(InnerTubeEmitter::new(tube))));
+                Emitter::Tube(Box::new(tube))
+            }
+        };
+        Ok(self.push(surface, emission, other.filter(|_| self.emits_both(surface))))
     }
 }

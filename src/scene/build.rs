@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use super::assemble::{Assembly, assemble};
 use super::backplate::Backplate;
-use super::bindings::{SurfaceBindings, bindings, rebind_materials};
+use super::bindings::{Kept, KeptOwners, SurfaceBindings, bindings, rebind_materials};
 use super::emissive::with_emission_of_materials;
 use super::material::MaterialNeeds;
 use super::media::Media;
@@ -81,7 +81,7 @@ fn build(desc: &SceneDesc, options: &BuildOptions) -> Result<Scene> {
     };
     let progress = WorkProgress::by_steps(&options.cancel, options.progress.clone());
     let assembly = assemble(desc, options, options.dynamic, &device, None, &progress)?;
-    let bindings = bindings(desc, assembly.unbound(), device.threads(), None, &progress)?;
+    let bindings = bindings(desc, assembly.unbound(), device.threads(), Kept::default(), &progress)?;
     progress.finish();
     complete(desc, base, device, assembly, bindings, AppearanceKey::new(desc), None, run)
 }
@@ -97,10 +97,13 @@ fn rebuild(old: &Scene, desc: &SceneDesc, options: &BuildOptions) -> Result<Scen
     let progress = WorkProgress::by_steps(&options.cancel, options.progress.clone());
     let device = old.device.clone();
     let appearance = AppearanceKey::new(desc);
-    let kept = match appearance.has_same_environment(&old.appearance) {
+    let environment = match appearance.has_same_environment(&old.appearance) {
         true => old.bindings.emitters.environment_map().cloned(),
         false => None,
     };
+    let reclad = appearance.reclad(&old.appearance);
+    let owners = Some(KeptOwners::new(old, reclad.as_deref()));
+    let kept = Kept { environment, owners };
     let same_geometry = old.record.is_geometry_of(desc);
     let same_frame = same_geometry && (old.camera == desc.camera || frame::still_serves(old, &desc.camera));
 
@@ -116,8 +119,8 @@ fn rebuild(old: &Scene, desc: &SceneDesc, options: &BuildOptions) -> Result<Scen
         };
         let bindings = if !appearance.has_same_emitters(&old.appearance) {
             bindings(desc, assembly.unbound(), device.threads(), kept, &progress)?
-        } else if appearance.materials != old.appearance.materials {
-            rebind_materials(&old.bindings, &appearance)
+        } else if let Some(reclad) = &reclad {
+            rebind_materials(&old.bindings, &appearance, reclad)
         } else {
             old.bindings.clone()
         };
@@ -135,7 +138,9 @@ fn rebuild(old: &Scene, desc: &SceneDesc, options: &BuildOptions) -> Result<Scen
 /// Checks that the materials of surfaces exist.
 fn check_materials(desc: &SceneDesc) -> Result<()> {
     let count = desc.materials.len();
-    match desc.surfaces.iter().find_map(|surface| Some((surface, surface.material.filter(|it| *it >= count)?))) {
+    let lacks = |number: &usize| *number >= count;
+    let mut suspects = desc.surfaces.of_blocks(|facts| facts.last_material.as_ref().is_some_and(lacks));
+    match suspects.find_map(|(_, surface)| Some((surface, surface.material.filter(lacks)?))) {
         None => Ok(()),
         Some((surface, number)) => {
             let message = format!("material {number} of {count} does not exist");
@@ -146,7 +151,8 @@ fn check_materials(desc: &SceneDesc) -> Result<()> {
 
 /// Checks that no shape that cannot emit has an emission, nor on both sides.
 fn check_emission(desc: &SceneDesc) -> Result<()> {
-    for surface in desc.surfaces.iter().filter(|surface| surface.emission.is_some() && !surface.hidden) {
+    let lamps = desc.surfaces.of_blocks(|facts| facts.emits);
+    for (_, surface) in lamps.filter(|(_, surface)| surface.emission.is_some() && !surface.hidden) {
         match surface.shape {
             ShapeDesc::Sphere { .. } | ShapeDesc::Quadric { .. } | ShapeDesc::Disk { .. } => {
                 lower::world_shape(surface)?;

@@ -38,7 +38,7 @@ pub(super) struct EmissionWeb {
 /// [`ErrorKind::InvalidScene`] for a radiance beyond single precision, and for light behind a surface that does not emit there.
 pub(super) fn emission_webs(desc: &SceneDesc) -> Result<BTreeMap<u32, EmissionWeb>> {
     let mut webs = BTreeMap::new();
-    for (number, surface) in desc.surfaces.iter().enumerate() {
+    for (number, surface) in desc.surfaces.of_blocks(|facts| facts.shines_unevenly) {
         if let (Some(web), Some(factor), false) = (&surface.web, surface.emission, surface.hidden) {
             webs.insert(number as u32, EmissionWeb::new(desc, (number, surface), web, factor)?);
         }

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::desc::{MaterialDesc, SceneDesc, SpectrumKey};
+use crate::desc::{MaterialDesc, SceneDesc, SpectrumKey, SurfaceDesc};
 use crate::error::Result;
 
 /// Returns the description in which every surface of a material that emits light has the material's emission, unless the surface
@@ -17,11 +17,13 @@ pub(super) fn with_emission_of_materials(desc: &SceneDesc) -> Result<Cow<'_, Sce
         return Ok(Cow::Borrowed(desc));
     }
     let mut lit = desc.clone();
-    for surface in &mut lit.surfaces {
-        if surface.emission.is_none() {
-            // A web is of the surface's own emission.
+    let of_material = |surface: &SurfaceDesc| desc.material_of(surface).filter(|it| it.emission.is_some());
+    for (number, surface) in desc.surfaces.iter().enumerate().filter(|(_, surface)| surface.emission.is_none()) {
+        let material = of_material(surface);
+        // A web is of the surface's own emission.
+        if material.is_some() || surface.web.is_some() || surface.spectrum.is_some() {
+            let surface = &mut lit.surfaces[number];
             surface.web = None;
-            let material = surface.material.map(|material| &desc.materials[material]);
             surface.emission = material.and_then(|material| material.emission);
             surface.spectrum = material.and_then(|material| material.spectrum(SpectrumKey::Emission)).cloned();
         }

@@ -132,18 +132,19 @@ fn members(
 /// Whether the surfaces of a placement are still where the group has them, and the kernel can invert its transform.
 fn is_whole(desc: &SceneDesc, placement: &PlacementDesc, members: &[usize]) -> bool {
     let group = &desc.groups[placement.group];
-    let Some(surfaces) = desc.surfaces.get(placement.surfaces.clone()) else { return false };
+    let first = placement.surfaces.start;
     let is_in_place = |&number: &usize| {
-        let (surface, member) = (&surfaces[number], &group.members[number]);
+        let (surface, member) = (&desc.surfaces[first + number], &group.members[number]);
         surface.shape == member.shape
             && surface.emission.is_none()
             && surface.local == member.local
             && surface.transform == placement.transform * member.transform
             && !surface.hidden
-            && !desc.motion.surfaces.contains_key(&(placement.surfaces.start + number))
+            && !desc.motion.surfaces.contains_key(&(first + number))
     };
     !placement.hidden
-        && surfaces.len() == group.members.len()
+        && placement.surfaces.len() == group.members.len()
+        && placement.surfaces.end <= desc.surfaces.len()
         && inverts_well(&placement.transform)
         && members.iter().all(is_in_place)
 }

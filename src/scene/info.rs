@@ -7,7 +7,9 @@ use std::time::Duration;
 use super::prepared_textures::PreparedTextures;
 use super::record::{BuildFacts, GeometryRecord};
 use crate::bsdf::{Bsdf, Lobes, Model as _};
-use crate::desc::{IntegratorDesc, LightDistribution, RouletteDesc, SceneDesc, SurfaceDesc, TextureSource, WebDesc};
+use crate::desc::{
+    BlockFacts, IntegratorDesc, LightDistribution, RouletteDesc, SceneDesc, SurfaceDesc, TextureSource, WebDesc,
+};
 use crate::emitter::{Emitter, EmitterSet};
 use crate::math::Bounds;
 use crate::photometry::{LampTilt, Web};
@@ -153,7 +155,8 @@ impl SceneInfo {
                 .push(format!("surfaces of {lamps} materials are emitters, unless they have an emission of their own"));
         }
         let is_two_sided = |it: &&SurfaceDesc| it.emits_both && it.emission.is_some() && !it.hidden;
-        let two_sided = desc.surfaces.iter().filter(is_two_sided).count();
+        let lamps = desc.surfaces.of_blocks(|facts| facts.emits).map(|(_, surface)| surface);
+        let two_sided = lamps.filter(is_two_sided).count();
         if two_sided > 0 {
             decisions.push(format!(
                 "{two_sided} surfaces emit on both sides, by an emitter on each side of a triangle, disk or tube"
@@ -351,7 +354,8 @@ fn spectra(desc: &SceneDesc, emitters: &EmitterSet) -> Option<String> {
 
 /// The surfaces that shine by a photometric web.
 fn lit_by_web(desc: &SceneDesc) -> impl Iterator<Item = &SurfaceDesc> {
-    desc.surfaces.iter().filter(|it| it.web.is_some() && it.emission.is_some() && !it.hidden)
+    let lamps = desc.surfaces.of_blocks(|facts| facts.shines_unevenly).map(|(_, surface)| surface);
+    lamps.filter(|it| it.web.is_some() && it.emission.is_some() && !it.hidden)
 }
 
 /// The first photometric webs of a description, each once.
@@ -378,12 +382,17 @@ fn webs(desc: &SceneDesc) -> Vec<WebInfo> {
 /// The greatest number of surfaces that one warning names, and of webs that are told of.
 const NAMED: usize = 5;
 
-/// Returns the number of surfaces of a description that satisfy `is_such`, and the names of the first ones; `None` where there
-/// are none.
-fn named(desc: &SceneDesc, is_such: impl Fn(&SurfaceDesc) -> bool) -> Option<(usize, String)> {
-    let such = |surface: &&SurfaceDesc| !surface.hidden && is_such(surface);
-    let count = desc.surfaces.iter().filter(such).count();
-    let named = desc.surfaces.iter().filter(such).take(NAMED).map(|surface| {
+/// Returns the number of surfaces of a description that have such a material, with `unlit` those alone that have no emission of their own,
+/// and the names of the first ones; `None` where there are none.
+fn named(desc: &SceneDesc, unlit: bool, is_such: impl Fn(Option<usize>) -> bool) -> Option<(usize, String)> {
+    let of_block = |facts: &BlockFacts| -> usize {
+        let such = facts.materials.iter().filter(|it| is_such(it.material));
+        such.map(|it| if unlit { it.unlit } else { it.surfaces }).sum()
+    };
+    let count = desc.surfaces.blocks().map(|block| of_block(block.facts())).sum();
+    let shown = desc.surfaces.of_blocks(|facts| of_block(facts) > 0).map(|(_, surface)| surface);
+    let shown = shown.filter(|it| !it.hidden && is_such(it.material) && !(unlit && it.emission.is_some()));
+    let named = shown.take(NAMED).map(|surface| {
         let material = desc.material_of(surface).map_or("", |material| &material.name);
         if material.is_empty() { surface.path.clone() } else { format!("{} ({material})", surface.path) }
     });
@@ -441,7 +450,7 @@ fn not_diffuse(desc: &SceneDesc, bsdfs: &[Bsdf]) -> Vec<String> {
     let of_material: Vec<Option<TakenAs>> = bsdfs.iter().map(TakenAs::of).collect();
     let line = |taken: TakenAs| {
         let (count, names) =
-            named(desc, |surface| surface.material.and_then(|it| *of_material.get(it)?) == Some(taken))?;
+            named(desc, false, |material| material.and_then(|it| *of_material.get(it)?) == Some(taken))?;
         Some(format!("radiosity takes {count} surfaces as {}: {names}", taken.name()))
     };
     [TakenAs::Black, TakenAs::WithoutSpecular, TakenAs::MeanAlbedo].into_iter().filter_map(line).collect()
@@ -450,10 +459,9 @@ fn not_diffuse(desc: &SceneDesc, bsdfs: &[Bsdf]) -> Vec<String> {
 /// Names the surfaces for which radiosity has no elements.
 fn not_in_radiosity(desc: &SceneDesc, bsdfs: &[Bsdf]) -> Option<String> {
     let of_material: Vec<[bool; 2]> = bsdfs.iter().map(|bsdf| sides(bsdf).each_ref().map(is_not_diffuse)).collect();
-    let of = |surface: &SurfaceDesc| surface.material.map_or(Some(&[true; 2]), |it| of_material.get(it));
+    let of = |material: Option<usize>| material.map_or(Some(&[true; 2]), |it| of_material.get(it));
     let line = |absent: [bool; 2], what: &str| {
-        let is_absent = |surface: &SurfaceDesc| surface.emission.is_none() && of(surface) == Some(&absent);
-        let (count, names) = named(desc, is_absent)?;
+        let (count, names) = named(desc, true, |material| of(material) == Some(&absent))?;
         Some(format!("{what} {count} surfaces, which reflect nothing diffusely: {names}"))
     };
     let lines = [

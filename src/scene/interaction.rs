@@ -52,7 +52,7 @@ pub(super) enum Owners {
     /// owner's emitter.
     One(Owner),
     /// Loose triangles, each of which has its own owner.
-    Each(Vec<Owner>),
+    Each(Arc<[Owner]>),
 }
 
 impl Owners {

@@ -11,10 +11,12 @@ use super::geometry::Part;
 use super::groups::{self, WholePlacement};
 use super::instance_transform::inverts_well;
 use super::lower_moving::{self, MovingSurface};
+use super::record::GeometryRecord;
 use crate::Cancel;
-use crate::desc::{MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc};
+use crate::desc::{BlockFacts, MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc};
 use crate::error::{Error, ErrorKind, Result};
 use crate::math::{Bounds, DAffine3, DVec3, similarity_scale};
+use crate::room::with_room;
 
 /// A mesh of more triangles than this is instanced rather than copied when it is used more than once.
 pub(super) const INSTANCE_TRIANGLES: usize = 10_000;
@@ -31,8 +33,10 @@ const LARGEST_COORDINATE: f64 = 0.5 * crate::embree::MAX_COORDINATE as f64;
 /// The primitives that the surfaces of a scene become, each with the number of its surface.
 #[derive(Debug, Default)]
 pub(super) struct Lowered {
-    /// Triangles of the surfaces that are triangles and quads. The winding gives the outer side.
-    pub triangles: Vec<([DVec3; 3], Part)>,
+    /// Number of triangles of the surfaces that are triangles and quads and rest.
+    pub triangles: usize,
+    /// Number of spheres, disks and quadrics that rest.
+    pub shapes: usize,
     /// Meshes to be copied into the scene frame.
     pub meshes: Vec<MeshUse>,
     /// Meshes to be instanced.
@@ -41,12 +45,12 @@ pub(super) struct Lowered {
     pub wholes: Vec<WholePlacement>,
     /// Surfaces in `meshes` that would be instances if the kernel could invert their transforms.
     pub copied: Vec<usize>,
-    /// Spheres, disks and quadrics.
-    pub shapes: Vec<(WorldShape, usize)>,
     /// What moves while the shutter is open.
     pub moving: Vec<MovingSurface>,
     /// Box around all surfaces, in the world frame.
     pub bounds: Bounds,
+    /// Boxes around the surfaces of each block that are no meshes; `None` where something moves in a block.
+    pub block_bounds: Vec<Option<Bounds>>,
 }
 
 /// One use of a mesh.
@@ -65,14 +69,12 @@ pub(super) enum WorldShape {
     Quadric { coefficients: [f64; 10], clip: Bounds, to_world: DAffine3 },
 }
 
-/// Number of surfaces that are lowered between two checks for cancellation.
-const LOOK: usize = 1024;
-
-/// Lowers every surface. `bounds_of` gives the box of a mesh in its own frame; `is_dynamic` says whether the geometry
-/// will change.
+/// Lowers every surface but single ones that rest, which [`triangles`] and [`shapes`] do; those are checked here. `bounds_of` gives the box of
+/// a mesh in its own frame; `is_dynamic` says whether the geometry will change. Single surfaces of blocks that `old` has too are not looked at.
 pub(super) fn lower(
     desc: &SceneDesc,
     is_dynamic: bool,
+    old: Option<&GeometryRecord>,
     cancel: &Cancel,
     mut bounds_of: impl FnMut(&Arc<MeshDesc>) -> Result<Bounds>,
 ) -> Result<Lowered> {
@@ -80,7 +82,7 @@ pub(super) fn lower(
     let in_whole = groups::in_wholes(desc, &lowered.wholes);
     let in_whole = |number: usize| in_whole.get(number).is_some_and(|is_inside| *is_inside);
     let mut uses: HashMap<(usize, bool), usize> = HashMap::new();
-    for (number, surface) in desc.surfaces.iter().enumerate() {
+    for (number, surface) in desc.surfaces.meshes() {
         if let ShapeDesc::Mesh { mesh, smooth } = surface.shape
             && surface.emission.is_none()
             && !surface.hidden
@@ -89,68 +91,122 @@ pub(super) fn lower(
             *uses.entry((mesh, smooth)).or_default() += 1;
         }
     }
-    for (number, surface) in desc.surfaces.iter().enumerate() {
-        if number % LOOK == 0 {
-            cancel.check()?;
-        }
-        if surface.hidden {
-            continue;
-        }
-        if let Some(moving) = lower_moving::moving(desc, number, cancel, &mut bounds_of)? {
-            lowered.bounds = lowered.bounds.union(moving.bounds);
-            lowered.moving.push(moving);
-            continue;
-        }
-        let to_world = surface.to_world();
-        let place = |p: &DVec3| to_world.transform_point3(*p);
-        let bounds = match &surface.shape {
-            ShapeDesc::Triangle(corners) => {
-                let corners = wound(&to_world, corners.each_ref().map(place));
-                lowered
-                    .triangles
-                    .push((corners, Part { surface: number as u32, half: 0, is_mirrored: is_mirrored(&to_world) }));
-                extent(&corners)
+    for block in desc.surfaces.blocks() {
+        cancel.check()?;
+        let rests = desc.motion.surfaces.range(block.numbers()).next().is_none();
+        let known = old.and_then(|old| old.block_bounds(&desc.surfaces, block.place)).filter(|_| rests);
+        let mut of_singles = known.unwrap_or_default();
+        let mut one = |number: usize, surface: &SurfaceDesc| -> Result<()> {
+            if surface.hidden {
+                return Ok(());
             }
-            ShapeDesc::Quad(corners) => {
-                let [a, b, c, d] = corners.each_ref().map(place);
-                for (half, corners) in [[a, b, c], [a, c, d]].into_iter().enumerate() {
-                    let is_mirrored = is_mirrored(&to_world);
-                    let part = Part { surface: number as u32, half: half as u32, is_mirrored };
-                    lowered.triangles.push((wound(&to_world, corners), part));
+            if let Some(moving) = lower_moving::moving(desc, number, cancel, &mut bounds_of)? {
+                lowered.bounds = lowered.bounds.union(moving.bounds);
+                lowered.moving.push(moving);
+                return Ok(());
+            }
+            let to_world = surface.to_world();
+            let ShapeDesc::Mesh { mesh, smooth } = surface.shape else {
+                let bounds = single_bounds(surface, &to_world)?;
+                check_reach(&bounds, surface)?;
+                of_singles = of_singles.union(bounds);
+                return Ok(());
+            };
+            let description = mesh_of(desc, surface, mesh)?;
+            if !in_whole(number) {
+                let is_shared = uses.get(&(mesh, smooth)).is_some_and(|&uses| uses > 1);
+                let count = description.triangle_count();
+                let is_large = is_shared && count > INSTANCE_TRIANGLES || is_dynamic && count > OBJECT_TRIANGLES;
+                // Emitters are in the scene frame, so a mesh that emits is copied there, even a host's mesh. A mesh is
+                // also copied if its transform cannot be inverted accurately enough for the kernel to find it.
+                let wanted = surface.emission.is_none() && (is_large || description.host.is_some());
+                let instanced = wanted && inverts_well(&to_world);
+                if wanted && !instanced {
+                    lowered.copied.push(number);
                 }
-                extent(&[a, b, c, d])
+                let target = if instanced { &mut lowered.instances } else { &mut lowered.meshes };
+                target.push(MeshUse { mesh, smooth, surface: number });
             }
-            &ShapeDesc::Mesh { mesh, smooth } => {
-                let description = mesh_of(desc, surface, mesh)?;
-                if !in_whole(number) {
-                    let is_shared = uses.get(&(mesh, smooth)).is_some_and(|&uses| uses > 1);
-                    let count = description.triangle_count();
-                    let is_large = is_shared && count > INSTANCE_TRIANGLES || is_dynamic && count > OBJECT_TRIANGLES;
-                    // Emitters are in the scene frame, so a mesh that emits is copied there, even a host's mesh. A mesh is
-                    // also copied if its transform cannot be inverted accurately enough for the kernel to find it.
-                    let wanted = surface.emission.is_none() && (is_large || description.host.is_some());
-                    let instanced = wanted && inverts_well(&to_world);
-                    if wanted && !instanced {
-                        lowered.copied.push(number);
-                    }
-                    let target = if instanced { &mut lowered.instances } else { &mut lowered.meshes };
-                    target.push(MeshUse { mesh, smooth, surface: number });
-                }
-                // The box of a transformed box is larger than necessary. The difference moves the centre only slightly,
-                // which is harmless.
-                bounds_of(description)?.transformed(&to_world)
-            }
-            _ => {
-                let shape = world_shape(surface)?;
-                lowered.shapes.push((shape, number));
-                shape.bounds(surface)?
-            }
+            // The box of a transformed box is larger than necessary. The difference moves the centre only slightly,
+            // which is harmless.
+            let bounds = bounds_of(description)?.transformed(&to_world);
+            check_reach(&bounds, surface)?;
+            lowered.bounds = lowered.bounds.union(bounds);
+            Ok(())
         };
-        check_reach(&bounds, surface)?;
-        lowered.bounds = lowered.bounds.union(bounds);
+        match known {
+            Some(_) => block.meshes().try_for_each(|(number, surface)| one(number, surface))?,
+            None => block.surfaces().try_for_each(|(number, surface)| one(number, surface))?,
+        }
+        lowered.bounds = lowered.bounds.union(of_singles);
+        lowered.block_bounds.push(rests.then_some(of_singles));
+        lowered.triangles += block.facts().triangles;
+        lowered.shapes += block.facts().shapes;
+    }
+    for moving in &lowered.moving {
+        match desc.surfaces[moving.surface].shape {
+            ShapeDesc::Triangle(_) => lowered.triangles -= 1,
+            ShapeDesc::Quad(_) => lowered.triangles -= 2,
+            ShapeDesc::Mesh { .. } => {}
+            ShapeDesc::Sphere { .. } | ShapeDesc::Disk { .. } | ShapeDesc::Quadric { .. } => lowered.shapes -= 1,
+        }
     }
     check_volumes(desc, &lowered, cancel)?;
     Ok(lowered)
+}
+
+/// The box around a surface that is no mesh, in the world frame.
+fn single_bounds(surface: &SurfaceDesc, to_world: &DAffine3) -> Result<Bounds> {
+    let place = |p: &DVec3| to_world.transform_point3(*p);
+    match &surface.shape {
+        ShapeDesc::Triangle(corners) => Ok(extent(&corners.each_ref().map(place))),
+        ShapeDesc::Quad(corners) => Ok(extent(&corners.each_ref().map(place))),
+        _ => world_shape(surface)?.bounds(surface),
+    }
+}
+
+/// The surfaces of a kind that rest, of the blocks whose facts say that there are any.
+fn resting<'a>(
+    desc: &'a SceneDesc,
+    lowered: &'a Lowered,
+    has_any: impl Fn(&BlockFacts) -> bool + 'a,
+) -> impl Iterator<Item = (usize, &'a SurfaceDesc)> {
+    let rests = |number: &usize| lowered.moving.binary_search_by_key(number, |it| it.surface).is_err();
+    desc.surfaces.of_blocks(has_any).filter(move |(number, surface)| !surface.hidden && rests(number))
+}
+
+/// The triangles of the surfaces that are triangles and quads and rest. The winding gives the outer side.
+pub(super) fn triangles(desc: &SceneDesc, lowered: &Lowered) -> Result<Vec<([DVec3; 3], Part)>> {
+    let mut triangles = with_room(lowered.triangles)?;
+    for (number, surface) in resting(desc, lowered, |facts| facts.triangles > 0) {
+        let to_world = surface.to_world();
+        let place = |p: &DVec3| to_world.transform_point3(*p);
+        let mut add = |half: u32, corners: [DVec3; 3]| {
+            let part = Part { surface: number as u32, half, is_mirrored: is_mirrored(&to_world) };
+            triangles.push((wound(&to_world, corners), part));
+        };
+        match &surface.shape {
+            ShapeDesc::Triangle(corners) => add(0, corners.each_ref().map(place)),
+            ShapeDesc::Quad(corners) => {
+                let [a, b, c, d] = corners.each_ref().map(place);
+                add(0, [a, b, c]);
+                add(1, [a, c, d]);
+            }
+            _ => {}
+        }
+    }
+    Ok(triangles)
+}
+
+/// The spheres, disks and quadrics that rest, each with the number of its surface.
+pub(super) fn shapes(desc: &SceneDesc, lowered: &Lowered) -> Result<Vec<(WorldShape, usize)>> {
+    let mut shapes = with_room(lowered.shapes)?;
+    for (number, surface) in resting(desc, lowered, |facts| facts.shapes > 0) {
+        if !matches!(surface.shape, ShapeDesc::Triangle(_) | ShapeDesc::Quad(_) | ShapeDesc::Mesh { .. }) {
+            shapes.push((world_shape(surface)?, number));
+        }
+    }
+    Ok(shapes)
 }
 
 /// Refuses a surface, with this box around it in the world, that reaches too far.
@@ -181,7 +237,7 @@ fn check_volumes(desc: &SceneDesc, lowered: &Lowered, cancel: &Cancel) -> Result
             format!("{what} is too large to be met in a scene {across:e} across: area times size must stay below 2e37");
         Err(Error::invalid(&desc.surfaces[surface].path, message))
     };
-    if let Some((_, part)) = lowered.triangles.iter().find(|(corners, _)| is_lost(*corners, across)) {
+    if let Some((_, part)) = triangles(desc, lowered)?.iter().find(|(corners, _)| is_lost(*corners, across)) {
         return lost(part.surface as usize, "it".to_owned());
     }
     // Of a mesh in this frame, in which the scene is so far across.

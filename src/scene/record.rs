@@ -8,8 +8,8 @@ use super::mesh::MeshObject;
 use super::singles::Singles;
 use super::textured_emission::{binding_of, texture_of_light};
 use crate::desc::{
-    AreaWebDesc, DistantLightDesc, EnvironmentDesc, EnvironmentMapDesc, LightDistribution, MeshDesc, MeshStep,
-    MotionDesc, PointLightDesc, PortalDesc, SceneDesc, ShapeDesc, SkyDesc, SpectrumDesc, SurfaceDesc, TextureChannel,
+    DistantLightDesc, EnvironmentDesc, EnvironmentMapDesc, LightDistribution, MeshDesc, MeshStep, MotionDesc,
+    PointLightDesc, PortalDesc, SceneDesc, ShapeDesc, SkyDesc, SpectrumDesc, SurfaceDesc, Surfaces, TextureChannel,
     TextureDesc, TextureKey,
 };
 use crate::math::{Bounds, DAffine3, DVec3};
@@ -36,8 +36,12 @@ pub(super) struct Objects {
 /// The description from which the geometry of a scene was built. The record stays the same object as long as the
 /// geometry is unchanged.
 pub(super) struct GeometryRecord {
-    surfaces: Vec<SurfaceKey>,
+    /// As they are as the shutter opens.
+    surfaces: Surfaces,
+    movements: Movements,
     meshes: Vec<KnownMesh>,
+    /// Boxes of the blocks of surfaces, as [`Lowered::block_bounds`](super::lower::Lowered).
+    block_bounds: Vec<Option<Bounds>>,
     pub objects: Objects,
     /// The number of the surface of each shape in the list.
     pub list_surfaces: Vec<u32>,
@@ -72,35 +76,49 @@ pub(super) struct BuildFacts {
     pub coarse: Vec<(f64, String)>,
 }
 
-/// The properties of a surface on which the geometry depends.
-struct SurfaceKey {
-    shape: ShapeDesc,
-    local: DAffine3,
-    transform: DAffine3,
-    hidden: bool,
-    emits: bool,
-    movement: Option<SurfaceMovement>,
-}
-
 /// How a surface moves while the shutter is open.
-#[derive(PartialEq)]
+#[derive(Default, PartialEq)]
 struct SurfaceMovement {
-    interval: [f64; 2],
     motion: Option<Arc<MotionDesc>>,
     steps: Option<Arc<[MeshStep]>>,
 }
 
-impl SurfaceMovement {
-    fn new(desc: &SceneDesc, number: usize) -> Option<Self> {
-        let motion = desc.motion.surfaces.get(&number).cloned();
-        let steps = match desc.surfaces[number].shape {
-            ShapeDesc::Mesh { mesh, .. } => desc.motion.meshes.get(&mesh).cloned(),
-            _ => None,
+/// How surfaces move.
+#[derive(PartialEq)]
+struct Movements {
+    /// When the shutter opens and closes, where anything moves.
+    interval: Option<[f64; 2]>,
+    /// Those that move or deform, by their numbers.
+    surfaces: BTreeMap<usize, SurfaceMovement>,
+}
+
+impl Movements {
+    fn new(desc: &SceneDesc) -> Self {
+        let motions = desc.motion.surfaces.iter();
+        let moving = |(number, motion): (&usize, &Arc<MotionDesc>)| {
+            (*number, SurfaceMovement { motion: Some(Arc::clone(motion)), steps: None })
         };
-        (motion.is_some() || steps.is_some()).then(|| {
-            let interval = desc.motion.shutter.interval();
-            Self { interval, motion, steps }
-        })
+        let mut surfaces: BTreeMap<usize, SurfaceMovement> = motions.map(moving).collect();
+        if !desc.motion.meshes.is_empty() {
+            for (number, surface) in desc.surfaces.meshes() {
+                if let ShapeDesc::Mesh { mesh, .. } = surface.shape
+                    && let Some(steps) = desc.motion.meshes.get(&mesh)
+                {
+                    surfaces.entry(number).or_default().steps = Some(Arc::clone(steps));
+                }
+            }
+        }
+        Self { interval: (!surfaces.is_empty()).then(|| desc.motion.shutter.interval()), surfaces }
+    }
+
+    /// Those of the surfaces that a description shows and that are of a kind.
+    fn of_kind<'a>(
+        &'a self,
+        surfaces: &'a Surfaces,
+        is_one: impl Fn(&ShapeDesc) -> bool + 'a,
+    ) -> impl Iterator<Item = (&'a usize, &'a SurfaceMovement)> {
+        let is_such = move |number: usize| surfaces.get(number).is_some_and(|it| !it.hidden && is_one(&it.shape));
+        self.surfaces.iter().filter(move |(number, _)| is_such(**number))
     }
 }
 
@@ -119,11 +137,10 @@ impl GeometryRecord {
         bounds: &HashMap<usize, Bounds>,
         objects: Objects,
         list_surfaces: Vec<u32>,
-        facts: BuildFacts,
+        lowered: (BuildFacts, Vec<Option<Bounds>>),
         is_dynamic: bool,
         singles: Singles,
     ) -> Self {
-        let surfaces = (0..desc.surfaces.len()).map(|number| SurfaceKey::new(desc, number)).collect();
         let meshes = desc
             .meshes
             .iter()
@@ -134,46 +151,67 @@ impl GeometryRecord {
                     .then(|| Arc::clone(mesh)),
             })
             .collect();
-        Self { surfaces, meshes, objects, list_surfaces, facts, is_dynamic, singles }
+        let (facts, block_bounds) = lowered;
+        let (surfaces, movements) = (desc.surfaces.clone(), Movements::new(desc));
+        Self { surfaces, movements, meshes, block_bounds, objects, list_surfaces, facts, is_dynamic, singles }
     }
 
     /// Returns whether `desc` has the recorded geometry: the same shapes in the same places, and the same meshes.
     pub(super) fn is_geometry_of(&self, desc: &SceneDesc) -> bool {
-        self.surfaces.len() == desc.surfaces.len()
-            && self.surfaces.iter().zip(&desc.surfaces).all(|(old, new)| self.is_same(old, new, desc))
-            && self.surfaces.iter().enumerate().all(|(number, old)| old.movement == SurfaceMovement::new(desc, number))
-    }
-
-    /// Returns whether the surfaces of a kind are the recorded ones: the same shapes in the same places, with the same numbers.
-    pub(super) fn has_same(&self, desc: &SceneDesc, is_one: impl Fn(&ShapeDesc) -> bool) -> bool {
-        let is_there = |surface: &SurfaceDesc| is_one(&surface.shape) && !surface.hidden;
-        let (new, added) = desc.surfaces.split_at(self.surfaces.len().min(desc.surfaces.len()));
-        let is_kept = |(number, (old, new)): (usize, (&SurfaceKey, &SurfaceDesc))| {
-            let was_there = is_one(&old.shape) && !old.hidden;
-            was_there == is_there(new)
-                && (!was_there || self.is_same(old, new, desc) && old.movement == SurfaceMovement::new(desc, number))
+        let is_other = |mesh: usize| !self.is_same_mesh(mesh, mesh, desc);
+        let has_others = (0..self.meshes.len()).any(is_other);
+        let is_one = |surface: &SurfaceDesc| {
+            !surface.hidden && matches!(surface.shape, ShapeDesc::Mesh { mesh, .. } if is_other(mesh))
         };
-        self.surfaces.len() <= desc.surfaces.len()
-            && self.surfaces.iter().zip(new).enumerate().all(is_kept)
-            && !added.iter().any(is_there)
+        self.surfaces.len() == desc.surfaces.len()
+            && self.surfaces.unshared(&desc.surfaces).all(|(_, old, new)| self.is_same(old, new, desc))
+            && !(has_others && self.surfaces.meshes().any(|(_, surface)| is_one(surface)))
+            && self.movements == Movements::new(desc)
     }
 
-    fn is_same(&self, old: &SurfaceKey, new: &SurfaceDesc, desc: &SceneDesc) -> bool {
+    /// Returns whether the surfaces of a kind other than meshes are the recorded ones: the same shapes in the same places, with the same
+    /// numbers.
+    pub(super) fn has_same(&self, desc: &SceneDesc, is_one: fn(&ShapeDesc) -> bool) -> bool {
+        let is_there = |surface: &SurfaceDesc| is_one(&surface.shape) && !surface.hidden;
+        let is_kept = |(_, old, new): (usize, &SurfaceDesc, &SurfaceDesc)| {
+            is_there(old) == is_there(new) && (!is_there(old) || self.is_same(old, new, desc))
+        };
+        let count = self.surfaces.len();
+        let movements = Movements::new(desc);
+        count <= desc.surfaces.len()
+            && self.surfaces.unshared(&desc.surfaces).all(is_kept)
+            && !desc.surfaces.iter().skip(count).any(is_there)
+            && self.movements.of_kind(&self.surfaces, is_one).eq(movements.of_kind(&desc.surfaces, is_one))
+            && (self.movements.interval == movements.interval
+                || movements.of_kind(&desc.surfaces, is_one).next().is_none())
+    }
+
+    /// Returns whether a mesh of the record is one of a description.
+    fn is_same_mesh(&self, old: usize, new: usize, desc: &SceneDesc) -> bool {
+        let (old, new) = (self.meshes.get(old), desc.meshes.get(new));
+        old.zip(new).is_some_and(|(a, b)| std::ptr::eq(a.identity.as_ptr(), Arc::as_ptr(b)))
+    }
+
+    fn is_same(&self, old: &SurfaceDesc, new: &SurfaceDesc, desc: &SceneDesc) -> bool {
         if old.hidden && new.hidden {
             return true;
         }
         let same_shape = match (old.shape, new.shape) {
             (ShapeDesc::Mesh { mesh: a, smooth: was_smooth }, ShapeDesc::Mesh { mesh: b, smooth }) => {
-                let (old_mesh, new_mesh) = (self.meshes.get(a), desc.meshes.get(b));
-                let same_mesh =
-                    old_mesh.zip(new_mesh).is_some_and(|(a, b)| std::ptr::eq(a.identity.as_ptr(), Arc::as_ptr(b)));
                 // A mesh that emits is copied into the scene frame. Other shapes have the same geometry whether they
                 // emit or not.
-                same_mesh && was_smooth == smooth && old.emits == new.emission.is_some()
+                self.is_same_mesh(a, b, desc)
+                    && was_smooth == smooth
+                    && old.emission.is_some() == new.emission.is_some()
             }
             (old, new) => old == new,
         };
         same_shape && old.hidden == new.hidden && old.transform == new.transform && old.local == new.local
+    }
+
+    /// The box around the surfaces of a block but its meshes, if a description has this block too and nothing in it moved.
+    pub(super) fn block_bounds(&self, surfaces: &Surfaces, place: usize) -> Option<Bounds> {
+        self.block_bounds.get(place).copied().flatten().filter(|_| self.surfaces.shares(surfaces, place))
     }
 
     /// The boxes of all meshes that were examined, by address.
@@ -198,7 +236,10 @@ impl GeometryRecord {
     /// The shape of a surface in its own frame, and the transform of that frame to the world as the shutter opens.
     pub(super) fn placed(&self, surface: u32) -> Option<(&ShapeDesc, DAffine3)> {
         let placed = self.surfaces.get(surface as usize)?;
-        Some((&placed.shape, placed.to_world()))
+        let own = placed.to_world();
+        let motion = self.movements.surfaces.get(&(surface as usize)).and_then(|it| it.motion.as_ref());
+        let moved = motion.zip(self.movements.interval);
+        Some((&placed.shape, moved.map_or(own, |(motion, [open, _])| motion.path().at(open) * own)))
     }
 
     /// Whether a surface is a quad.
@@ -207,40 +248,15 @@ impl GeometryRecord {
     }
 }
 
-impl SurfaceKey {
-    fn new(desc: &SceneDesc, number: usize) -> Self {
-        let surface = &desc.surfaces[number];
-        Self {
-            shape: surface.shape,
-            local: surface.local,
-            transform: surface.transform,
-            hidden: surface.hidden,
-            emits: surface.emission.is_some(),
-            movement: SurfaceMovement::new(desc, number),
-        }
-    }
-
-    /// The transform of the shape's frame to the world as the shutter opens.
-    fn to_world(&self) -> DAffine3 {
-        let own = self.transform * self.local;
-        let moved = self.movement.as_ref().and_then(|it| Some((it.motion.as_ref()?, it.interval[0])));
-        moved.map_or(own, |(motion, open)| motion.path().at(open) * own)
-    }
-}
-
 /// The description from which the tables of owners and emitters were built, apart from the geometry.
 #[derive(Debug)]
 pub(super) struct AppearanceKey {
-    /// Material of each surface.
-    pub materials: Vec<u32>,
-    /// Emission of each surface, and whether it is on both sides.
-    emissions: Vec<(Option<Rgb>, bool)>,
-    /// Photometric webs of surfaces, by their numbers.
-    webs: Vec<(usize, Arc<AreaWebDesc>)>,
+    /// With their materials, emissions, photometric webs and spectra.
+    surfaces: Surfaces,
+    /// Number of materials.
+    materials: usize,
     /// The textures that vary emissions, of each surface; empty where there are none.
     emission_textures: Vec<Option<(Arc<TextureDesc>, TextureKey, TextureChannel)>>,
-    /// Spectra of emissions, by the numbers of surfaces.
-    spectra: Vec<(usize, SpectrumDesc)>,
     lights: Vec<(DVec3, Rgb, LightDistribution, Option<SpectrumDesc>)>,
     /// Motions of lights, and the shutter's interval where there are any.
     light_motions: (BTreeMap<usize, Arc<MotionDesc>>, Option<[f64; 2]>),
@@ -286,17 +302,13 @@ impl AppearanceKey {
             let binding = binding_of(desc, surface)?;
             Some((Arc::clone(desc.textures.get(binding.texture)?), binding.key, binding.channel))
         };
-        let web = |(number, surface): (usize, &SurfaceDesc)| Some((number, Arc::clone(surface.web.as_ref()?)));
         let light = |light: &PointLightDesc| {
             (light.position, light.intensity, light.distribution.clone(), light.spectrum.clone())
         };
-        let spectrum = |(number, surface): (usize, &SurfaceDesc)| Some((number, surface.spectrum.clone()?));
         Self {
             emission_textures: if is_textured { desc.surfaces.iter().map(texture_of).collect() } else { Vec::new() },
-            materials: desc.surfaces.iter().map(|surface| desc.material_number(surface) as u32).collect(),
-            emissions: desc.surfaces.iter().map(|surface| (surface.emission, surface.emits_both)).collect(),
-            webs: desc.surfaces.iter().enumerate().filter_map(web).collect(),
-            spectra: desc.surfaces.iter().enumerate().filter_map(spectrum).collect(),
+            surfaces: desc.surfaces.clone(),
+            materials: desc.materials.len(),
             lights: desc.lights.iter().map(light).collect(),
             light_motions: (
                 desc.motion.lights.clone(),
@@ -313,14 +325,34 @@ impl AppearanceKey {
 
     /// Returns whether both descriptions have the same emitters with the same radiance or intensity.
     pub(super) fn has_same_emitters(&self, other: &Self) -> bool {
-        self.emissions == other.emissions
-            && self.webs == other.webs
-            && self.spectra == other.spectra
+        self.surfaces.len() == other.surfaces.len()
+            && self.surfaces.unshared(&other.surfaces).all(|(_, own, other)| shine_alike(own, other))
             && self.emission_textures == other.emission_textures
             && self.lights == other.lights
             && self.light_motions == other.light_motions
             && self.environment == other.environment
             && self.distant == other.distant
+    }
+
+    /// The blocks whose surfaces may have other materials than they had in `old`, each said by its number; `None` where all have the same.
+    pub(super) fn reclad(&self, old: &Self) -> Option<Vec<bool>> {
+        let is_all = self.materials != old.materials || self.surfaces.len() != old.surfaces.len();
+        let count = self.surfaces.blocks().count();
+        if is_all {
+            return Some(vec![true; count]);
+        }
+        let mut reclad = None;
+        for (number, own, old) in self.surfaces.unshared(&old.surfaces) {
+            if own.material != old.material {
+                reclad.get_or_insert_with(|| vec![false; count])[Surfaces::place_of(number)] = true;
+            }
+        }
+        reclad
+    }
+
+    /// The number of a surface's material.
+    pub(super) fn material(&self, surface: u32) -> u32 {
+        self.surfaces[surface as usize].material.unwrap_or(self.materials) as u32
     }
 
     /// Whether both descriptions have the same light from infinity.
@@ -332,4 +364,12 @@ impl AppearanceKey {
     pub(super) fn dark_lights(&self) -> usize {
         self.lights.iter().filter(|(_, intensity, ..)| *intensity == Rgb::ZERO).count()
     }
+}
+
+/// Whether the emissions of two surfaces are the same.
+fn shine_alike(one: &SurfaceDesc, other: &SurfaceDesc) -> bool {
+    one.emission == other.emission
+        && one.emits_both == other.emits_both
+        && one.web == other.web
+        && one.spectrum == other.spectrum
 }

@@ -75,7 +75,8 @@ pub(super) fn emission_textures(
         made.map_err(|error| error.at(format!("{}.textures.{}", material.path, binding.key.name())))
     });
     let all: Vec<Option<EmissionTexture>> = all.collect::<Result<_>>()?;
-    for surface in desc.surfaces.iter().filter(|surface| !surface.hidden) {
+    let lamps = desc.surfaces.of_blocks(|facts| facts.emits);
+    for (_, surface) in lamps.filter(|(_, surface)| !surface.hidden) {
         let texture = surface.material.and_then(|material| all.get(material)?.as_ref());
         if let (Some(texture), Some(factor)) = (texture, surface.emission) {
             if matches!(surface.shape, ShapeDesc::Disk { .. } | ShapeDesc::Quadric { .. }) {

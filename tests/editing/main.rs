@@ -9,7 +9,7 @@ mod taken_over;
 
 use std::sync::Arc;
 
-use etendue::desc::{RenderDesc, SceneDesc};
+use etendue::desc::{RenderDesc, SceneDesc, Surfaces};
 use etendue::embree::{Device, DeviceOptions};
 use etendue::math::{Ray, Vec3};
 use etendue::scene::{BuildOptions, Scene};
@@ -176,7 +176,7 @@ fn the_old_scene_stays_as_it_is() {
         let expected = image(&last, &desc);
         // The new scene holds what it shares with the old ones, and with the description.
         drop((scene, edited));
-        let copy = SceneDesc { meshes: Vec::new(), surfaces: Vec::new(), ..desc.clone() };
+        let copy = SceneDesc { meshes: Vec::new(), surfaces: Surfaces::default(), ..desc.clone() };
         drop(desc);
         assert!(image(&last, &copy) == expected, "{name}");
     }

@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use etendue::buffer::Buffer;
 use etendue::desc::{
-    self, BsdfDesc, CameraDesc, FilmDesc, FovAxis, HostMesh, LightDistribution, MaterialDesc, MeshDesc, PointLightDesc,
-    SceneDesc, ShapeDesc, SpotDesc, SurfaceDesc,
+    self, BsdfDesc, CameraDesc, FilmDesc, FovAxis, HostMesh, KeyPlace, LightDistribution, MaterialDesc, MeshDesc,
+    MotionDesc, MotionKey, PointLightDesc, SceneDesc, ShapeDesc, ShutterDesc, SpotDesc, SurfaceDesc,
 };
 use etendue::math::{DAffine3, DQuat, DVec3};
 use etendue::spectrum::Rgb;
@@ -268,9 +268,10 @@ pub enum Edit {
     MeshAdded,
     UseAdded,
     Removed,
+    Motion,
 }
 
-pub const EDITS: [Edit; 17] = [
+pub const EDITS: [Edit; 18] = [
     Edit::MaterialParameters,
     Edit::MaterialIndex,
     Edit::EmissionColour,
@@ -288,6 +289,7 @@ pub const EDITS: [Edit; 17] = [
     Edit::MeshAdded,
     Edit::UseAdded,
     Edit::Removed,
+    Edit::Motion,
 ];
 
 impl Edit {
@@ -392,6 +394,20 @@ impl Edit {
             Self::Removed => {
                 if desc.surfaces.len() > 3 {
                     desc.surfaces.remove(number);
+                    // The surfaces after it have other numbers.
+                    desc.motion.surfaces.split_off(&number);
+                }
+            }
+            // A shift that lasts as long as the shutter is open, or is over before.
+            Self::Motion => {
+                let close = random.below(3).min(1) as f64;
+                desc.motion.shutter = ShutterDesc { open: 0.0, close, curve: Vec::new() };
+                let key = |time, by| MotionKey { time, place: KeyPlace::Matrix(DAffine3::from_translation(by)) };
+                let keys = vec![key(-1.0, DVec3::ZERO), key(1.0, 0.2 * random.cube())];
+                let can_move =
+                    !matches!(desc.surfaces[number].shape, ShapeDesc::Quadric { .. } | ShapeDesc::Disk { .. });
+                if desc.motion.surfaces.remove(&number).is_none() && can_move {
+                    desc.motion.surfaces.insert(number, Arc::new(MotionDesc { keys }));
                 }
             }
         }

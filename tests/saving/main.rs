@@ -96,7 +96,7 @@ fn placements_of_groups_come_back() {
     let expected = [0, 1, 3, 4].map(|i| (scene.placements[placed[i]].group, moved(100.0 * f64::from(i as u8))));
     assert_eq!(kept, expected);
     let named = &again.placements[2].surfaces;
-    assert!(again.surfaces[named.clone()].iter().all(|surface| surface.name == "one"));
+    assert!(again.surfaces.range(named.clone()).unwrap().all(|surface| surface.name == "one"));
     let moving: Vec<usize> = again.motion.surfaces.keys().copied().collect();
     assert_eq!(moving, again.placements[3].surfaces.clone().collect::<Vec<_>>());
     // Names of surfaces are none of the fingerprint, in groups too.

@@ -529,7 +529,7 @@ fn groups_are_made_placed_moved_and_removed() {
     }
     assert_eq!(content(&desc), before);
     desc.remove_placement(placed).unwrap();
-    assert!(desc.surfaces[surfaces].iter().all(|surface| surface.hidden));
+    assert!(desc.surfaces.range(surfaces).unwrap().all(|surface| surface.hidden));
     for error in [
         desc.set_placement_transform(placed, shift(0.0)).unwrap_err(),
         desc.set_placement_motion(placed, None).unwrap_err(),

@@ -118,7 +118,8 @@ fn crop(case: &mut Case) {
     };
     let mut dark = load("cornell.json");
     dark.camera = camera;
-    (dark.surfaces, dark.meshes, dark.lights) = (Vec::new(), Vec::new(), Vec::new());
+    dark.surfaces.clear();
+    (dark.meshes, dark.lights) = (Vec::new(), Vec::new());
     dark.motion = Default::default();
     let scene = build(&dark);
     for part in PARTS {

@@ -100,7 +100,7 @@ fn threads(case: &mut Case) {
 /// The scene with the order of its surfaces, its lights, its meshes' triangles and their corners reversed or turned.
 fn permuted(desc: &SceneDesc) -> SceneDesc {
     let mut desc = desc.clone();
-    desc.surfaces.reverse();
+    desc.surfaces = desc.surfaces.iter().rev().cloned().collect();
     desc.lights.reverse();
     for mesh in &mut desc.meshes {
         let mesh = Arc::make_mut(mesh);
