@@ -17,11 +17,14 @@ pub(crate) struct Steps {
     links: u32,
     /// Number of steps after it.
     after: u32,
+    /// Whether vertices have the means of the leaves around them, and no irradiance of their own.
+    #[serde(default)]
+    means: bool,
 }
 
 impl Steps {
     /// All that the settings ask for.
-    pub const WHOLE: Self = Self { links: u32::MAX, after: u32::MAX };
+    pub const WHOLE: Self = Self { links: u32::MAX, after: u32::MAX, means: false };
 
     pub fn is_whole(self) -> bool {
         self == Self::WHOLE
@@ -45,6 +48,10 @@ const VERTICES: f64 = 0.08;
 
 /// Time of the last balance, in which leaves trace rays, over that of one before: 1.3 to 3.8.
 const LAST_BALANCE: f64 = 2.0;
+
+/// The share of the time until a solution is to be there by which it may be late for the irradiance at vertices. That is the last step, and
+/// what takes most of the time where links are many; a limit leaves a third as much as this time again for samples.
+const LATE: f64 = 0.25;
 
 /// A step after the refinement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,6 +80,7 @@ pub(super) struct Course {
     after: u32,
     is_short: bool,
     last: f64,
+    means: bool,
 }
 
 impl Course {
@@ -91,6 +99,7 @@ impl Course {
             after: 0,
             is_short: false,
             last: 0.0,
+            means: false,
         }
     }
 
@@ -158,6 +167,18 @@ impl Course {
         Ok(true)
     }
 
+    /// Whether there is time to gather light at vertices, at the end.
+    pub fn gathers_at_vertices(&mut self) -> bool {
+        self.means = match self.extent {
+            Extent::Steps(steps) => steps.means,
+            Extent::Until(end) => {
+                let late = LATE * end.saturating_duration_since(self.start).as_secs_f64();
+                left(end) + late < self.time_of(VERTICES * self.gathered as f64)
+            }
+        };
+        !self.means
+    }
+
     /// Whether the steps after refinement ended before all were taken.
     pub fn is_short(&self) -> bool {
         self.is_short
@@ -170,6 +191,7 @@ impl Course {
             true => "elements at the edges of shadows are larger".to_owned(),
             false => "links are as accurate as they were to be".to_owned(),
         };
+        let means = if self.means { ", between means over elements" } else { "" };
         let after = match (self.is_short, self.after) {
             (false, _) => "",
             (true, 0) => {
@@ -178,13 +200,13 @@ impl Course {
             (true, 1) => ", leaves are not balanced, and light is gathered a few times only",
             (true, _) => ", leaves are not balanced to the end, and light is gathered a few times only",
         };
-        format!("radiosity: the time limit ended the solution early: {links}{after}")
+        format!("radiosity: the time limit ended the solution early: {links}{after}{means}")
     }
 
     /// Where it ended.
     pub fn steps(&self) -> Steps {
         let of = |is_early, count| if is_early { count } else { u32::MAX };
-        Steps { links: of(self.is_coarse, self.asked), after: of(self.is_short, self.after) }
+        Steps { links: of(self.is_coarse, self.asked), after: of(self.is_short, self.after), means: self.means }
     }
 }
 
@@ -220,7 +242,7 @@ mod tests {
         assert!(steps.is_whole() && !notes.contains("early"), "{notes}");
 
         let (over, steps, notes) = solve(Extent::Until(Instant::now()));
-        assert_eq!(steps, Steps { links: 0, after: 0 });
+        assert_eq!(steps, Steps { links: 0, after: 0, means: true });
         assert!(notes.contains("64 times the allowed error"), "{notes}");
         assert_eq!(solve(Extent::Steps(steps)).0, over);
 
@@ -228,7 +250,8 @@ mod tests {
         let size = whole.iter().map(|e| f64::from(*e).powi(2)).sum::<f64>().sqrt();
         let mut last = far(&over) / size;
         assert!(last < 0.6, "{last}");
-        for steps in [Steps { links: 4, after: 1 }, Steps { links: u32::MAX, after: 2 }] {
+        for (links, after, means) in [(0, 0, false), (4, 1, true), (4, 1, false), (u32::MAX, 2, false)] {
+            let steps = Steps { links, after, means };
             let (found, at, notes) = solve(Extent::Steps(steps));
             assert_eq!(at, steps, "{notes}");
             let now = far(&found) / size;

@@ -216,7 +216,7 @@ impl Radiosity {
             Default::default()
         };
         parallel.progress(PROGRESS_SOLVED);
-        let (irradiance, leaves) = final_irradiance(&shared, desc, ambient, parallel)?;
+        let (irradiance, leaves) = final_irradiance(&shared, desc, ambient, &mut course, parallel)?;
         let mut hierarchy = write(&shared);
         let mut summary = RadiositySummary {
             links: hierarchy.links.len(),
@@ -460,13 +460,17 @@ fn final_irradiance(
     shared: &SharedHierarchy,
     desc: &RadiosityDesc,
     ambient: DVec3,
+    course: &mut Course,
     parallel: &mut impl Parallel,
 ) -> Result<FinalIrradiance> {
     if desc.iterations.is_some_and(|count| count > 0) {
         solve::balance(shared, true, parallel)?;
     }
     let mut leaves = node_irradiance::leaf_irradiances(shared, parallel)?;
-    let mut irradiance = vertices::vertices(shared, parallel)?;
+    let mut irradiance = match course.gathers_at_vertices() {
+        true => vertices::vertices(shared, parallel)?,
+        false => vertices::means(&read(shared).oracle.elements, &leaves),
+    };
     vertices::conserve(&read(shared).oracle.elements, &mut irradiance, &leaves);
     if desc.iterations == Some(0) {
         leaves.iter_mut().for_each(|(_, e)| *e = DVec3::ZERO);

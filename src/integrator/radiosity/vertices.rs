@@ -56,6 +56,12 @@ pub(super) fn vertices(shared: &SharedHierarchy, parallel: &mut impl Parallel) -
     Ok(irradiance.into_iter().map(Rgb::from_f64).collect())
 }
 
+/// The mean irradiance of the leaves around each vertex, which takes no time.
+pub(super) fn means(elements: &Elements, leaves: &[(u32, DVec3)]) -> Vec<Rgb> {
+    let found = leaves.iter().map(|&(leaf, mean)| (leaf, [mean; 3]));
+    means_at_vertices(elements, found).into_iter().map(Rgb::from_f64).collect()
+}
+
 /// The mean at each vertex of what leaves find at their corners.
 pub(super) fn means_at_vertices(elements: &Elements, found: impl Iterator<Item = (u32, [DVec3; 3])>) -> Vec<DVec3> {
     let mut sums = vec![(DVec3::ZERO, 0.0); elements.vertices.len()];
