@@ -149,8 +149,8 @@ fn intervals_hold_the_truth_and_estimates_are_the_error() {
     let caustic = ("caustic", build(&glass));
     for (number, (name, scene)) in scenes().into_iter().chain([near, caustic]).enumerate() {
         let (least, off) = if name == "near a lamp" { (0.85, 0.15) } else { (0.93, 0.1) };
-        const SIDE: u32 = 16;
-        let exact = reference(&scene, SIDE, count(1 << 14, 1 << 16) as u32);
+        let side = count(12, 16) as u32;
+        let exact = reference(&scene, side, count(1 << 14, 1 << 16) as u32);
         // Where pixels share hits, each one's error is still that of its own replicates.
         for (samples, adaptive, reuse, light_paths) in [
             (256, false, false, false),
@@ -167,7 +167,7 @@ fn intervals_hold_the_truth_and_estimates_are_the_error() {
             let (mut display, mut display_found) = (0.0, 0.0);
             let mut flagged = 0;
             for seed in 0..runs {
-                let mut settings = RenderSettings { adaptive: Some(adaptive), ..settings(SIDE, samples, seed) };
+                let mut settings = RenderSettings { adaptive: Some(adaptive), ..settings(side, samples, seed) };
                 (settings.desc.reuse, settings.desc.light_paths) = (Some(reuse), Some(light_paths));
                 let (image, summary) = run(&scene, settings);
                 let variance = &image.layer("variance").unwrap().data;
@@ -207,9 +207,9 @@ fn intervals_hold_the_truth_and_estimates_are_the_error() {
 #[test]
 fn renders_end_at_the_error_that_was_asked_for() {
     let runs = count(6, 60);
-    const SIDE: u32 = 32;
+    let side = count(24, 32) as u32;
     for (number, (name, scene)) in scenes().into_iter().enumerate() {
-        let exact = reference(&scene, SIDE, count(1 << 12, 1 << 14) as u32);
+        let exact = reference(&scene, side, count(1 << 12, 1 << 14) as u32);
         for (measure, adaptive) in
             [(ErrorMeasure::RelMse, false), (ErrorMeasure::RelMse, true), (ErrorMeasure::Display, true)]
         {
@@ -217,7 +217,7 @@ fn renders_end_at_the_error_that_was_asked_for() {
                 continue;
             }
             // As much as some 100 samples have, so that there is a way to go.
-            let start = run(&scene, settings(SIDE, 100, 7 << 40)).1;
+            let start = run(&scene, settings(side, 100, 7 << 40)).1;
             let target = match measure {
                 ErrorMeasure::RelMse => start.rel_mse.unwrap().value,
                 ErrorMeasure::Display => start.display_error.unwrap().value,
@@ -230,7 +230,7 @@ fn renders_end_at_the_error_that_was_asked_for() {
                         target_error: Some(target),
                         error_measure: measure,
                         adaptive: Some(adaptive),
-                        ..settings(SIDE, MOST_SAMPLES, seed)
+                        ..settings(side, MOST_SAMPLES, seed)
                     },
                 );
                 assert_eq!((summary.ended, summary.adaptive), (Ended::Error, adaptive), "{name}");

@@ -47,6 +47,10 @@ fn lamps(case: &mut Case) {
         let built = Scene::build(&scene, &BuildOptions::default()).expect("a scene of the test");
         let power: f64 = built.emitters().emitters().iter().map(|emitter| emitter.power().x).sum();
         for solver in [RadiositySolver::Gather, RadiositySolver::Shoot] {
+            // The way of a lamp's light to its elements is the same for both lamps.
+            if solver == RadiositySolver::Shoot && name == "a ball" && !case.is_full() {
+                continue;
+            }
             let solution = Radiosity::solve(&built, &RadiosityDesc { solver, ..desc.clone() }, &mut Alone::default())
                 .expect("a scene that radiosity takes");
             case.exact(format!("power of {name}, {solver:?}"), emitted(&solution), power, Within::Relative(within));
