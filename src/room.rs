@@ -5,6 +5,7 @@
 
 use std::collections::{HashMap, TryReserveError};
 use std::hash::Hash;
+use std::sync::Arc;
 
 use crate::error::{Error, ErrorKind, Result};
 
@@ -39,6 +40,15 @@ pub(crate) fn with_room<T>(count: usize) -> Result<Vec<T>> {
     let mut list = Vec::new();
     add_room(&mut list, count)?;
     Ok(list)
+}
+
+/// A list that several share, which takes as much memory again while it is made.
+///
+/// # Errors
+/// [`ErrorKind::OutOfMemory`].
+pub(crate) fn shared<T: Copy>(list: Vec<T>) -> Result<Arc<[T]>> {
+    check_room(size_of_val(&*list))?;
+    Ok(list.into())
 }
 
 /// Room for `count` further items of a list, and no more.

@@ -101,7 +101,7 @@ impl SceneDesc {
     }
 
     /// Changes all of a material but its name and path, which are not read. Where a material becomes an emitter or loses its
-    /// opacity, the time grows with the number of surfaces.
+    /// opacity, the time grows with the number of surfaces that may have it.
     ///
     /// # Errors
     /// The errors are those of [`Self::add_material_desc`] and [`Self::set_material`]; an error at `materials[..].emission` for a

@@ -166,7 +166,7 @@ pub use shared_mesh::SharedMesh;
 pub use spectrum::{LightSpectrum, MOST_SPECTRUM_SAMPLES, SpectrumDesc, SpectrumKey, StandardIlluminant};
 pub use spectrum_edit::SpectrumTarget;
 pub use sun::sun_direction;
-pub(crate) use surfaces::BlockFacts;
+pub(crate) use surfaces::{BlockFacts, SurfaceBlock};
 pub use surfaces::{SurfaceIter, SurfaceIterMut, Surfaces};
 pub(crate) use texture::Parameter;
 pub use texture::{

@@ -14,7 +14,7 @@ const BLOCK: usize = 256;
 
 /// The surfaces of a description, in order.
 ///
-/// It is used as a `Vec<SurfaceDesc>` is. A clone shares the surfaces with the original until one of both is edited, in blocks of 256; what
+/// It has the calls of a `Vec<SurfaceDesc>` that descriptions need, but is no slice. A clone shares the surfaces with the original until one of both is edited, in blocks of 256; what
 /// was built from a description recognises in an edited one the blocks that are still shared.
 #[derive(Clone, Debug, Default)]
 pub struct Surfaces {
@@ -249,6 +249,9 @@ impl Surfaces {
 
     /// Leaves only the first `len` surfaces.
     pub fn truncate(&mut self, len: usize) {
+        if len >= self.len() {
+            return;
+        }
         self.blocks.truncate(len.div_ceil(BLOCK));
         if let Some(last) = self.blocks.last_mut()
             && !len.is_multiple_of(BLOCK)
@@ -258,8 +261,9 @@ impl Surfaces {
         }
     }
 
-    /// Takes out the surfaces from `first` on.
+    /// Takes out the surfaces from `first` on. This function panics where there are fewer before it.
     pub fn split_off(&mut self, first: usize) -> Vec<SurfaceDesc> {
+        assert!(first <= self.len(), "there are {} surfaces, and none from {first} on", self.len());
         let taken = (first..self.len()).map(|number| self[number].clone()).collect();
         self.truncate(first);
         taken
@@ -267,6 +271,7 @@ impl Surfaces {
 
     /// Takes out a surface; those after it get other numbers. This function panics for a number that no surface has.
     pub fn remove(&mut self, number: usize) -> SurfaceDesc {
+        assert!(number < self.len(), "there are {} surfaces, and no {number}", self.len());
         let mut after = self.split_off(number);
         let removed = after.remove(0);
         self.extend(after);
@@ -444,6 +449,11 @@ mod tests {
                 }
             }
             assert!(list.range(0..count + 1).is_none());
+            for past in [count, count + 1, count + BLOCK + 1] {
+                let mut same = list.clone();
+                same.truncate(past);
+                assert_eq!(same.len(), count);
+            }
         }
     }
 

@@ -28,7 +28,8 @@ pub fn daylight_only(desc: &SceneDesc) -> Result<SceneDesc> {
     desc.motion.lights.clear();
     desc.distant_lights.clear();
     desc.environment = desc.environment.map(without_sun);
-    desc.surfaces.iter_mut().for_each(|surface| surface.emission = None);
+    let lamps: Vec<usize> = desc.surfaces.of_blocks(|facts| facts.emits).map(|(number, _)| number).collect();
+    lamps.into_iter().for_each(|number| desc.surfaces[number].emission = None);
     for material in &mut desc.materials {
         material.emission = None;
         material.spectra.retain(|(key, _)| *key != SpectrumKey::Emission);

@@ -192,7 +192,7 @@ impl Assembler<'_, '_> {
         if self.reuse_triangles()? {
             return Ok(());
         }
-        let lowered = lower::triangles(self.desc, lowered)?;
+        let lowered = lower::triangles(self.desc, lowered, &self.progress.cancel)?;
         let count = lowered.len();
         let charge = self.device.charge(12 * (4 * count + 1))?.map(Arc::new);
         let mut vertices = with_room(3 * count + 1)?;
@@ -397,7 +397,7 @@ impl Assembler<'_, '_> {
                 return Ok((AnalyticList::default(), Vec::new()));
             }
         }
-        let lowered = lower::shapes(self.desc, lowered)?;
+        let lowered = lower::shapes(self.desc, lowered, &self.progress.cancel)?;
         let mut shapes = with_room(count)?;
         self.progress.each(count, cost::TEST, |i| shapes.push(lowered[i].0.in_scene(self.centre)))?;
         let surfaces: Vec<u32> = lowered.iter().map(|(_, surface)| *surface as u32).collect();
@@ -445,15 +445,16 @@ impl Assembler<'_, '_> {
         self.known.meshes.retain(|key, _| named.contains(key));
         let groups: HashSet<usize> = self.desc.groups.iter().map(group_address).collect();
         self.known.groups.retain(|address, _| groups.contains(address));
-        let record = GeometryRecord::new(
+        let mut record = GeometryRecord::new(
             self.desc,
             &self.mesh_bounds,
             self.known,
             list_surfaces,
-            (self.facts, block_bounds),
+            self.facts,
             self.is_dynamic,
             self.singles,
         );
+        record.block_bounds = block_bounds;
         Ok(Assembly {
             embree,
             list: Arc::new(list),

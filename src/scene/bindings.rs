@@ -28,12 +28,15 @@ use crate::emitter::{
 use crate::error::{Error, ErrorKind, Result};
 use crate::math::{Bounds, DVec3, Vec3};
 use crate::photometry::LUMENS_PER_WATT;
-use crate::room::{collected, grow, with_room};
+use crate::room::{collected, grow, shared, with_room};
 use crate::shape::{Analytic, Sphere, Triangle};
 use crate::spectrum::Rgb;
 
 /// Room between the surfaces and the ball from which the light of an environment comes, relative to the ball's radius.
 const BALL_MARGIN: f64 = 1e-3;
+
+/// Number of lamps that are made between two checks for a cancel.
+const LAMPS_PER_CHECK: usize = 1024;
 
 /// The tables of owners, in the order of the geometries, and the emitters that the owners refer to.
 #[derive(Clone)]
@@ -84,8 +87,14 @@ impl<'a> KeptOwners<'a> {
         Self { geometries: &scene.geometries, owners: &scene.bindings.owners, reclad }
     }
 
-    /// Those of a geometry that the scene before has too, if it is one of single surfaces.
+    /// Those of a geometry that the scene before has too, if it is one of single surfaces that rest.
     fn of(&self, geometry: &Geometry) -> Option<&'a Arc<[Owner]>> {
+        // Lamps that move are made by their steps, and not all surfaces may be such lamps.
+        match geometry {
+            Geometry::Loose { triangles, .. } if !triangles.mesh.is_deforming() => {}
+            Geometry::Analytic { shapes, .. } if shapes.moving.is_empty() => {}
+            _ => return None,
+        }
         let is_same = |old: &Geometry| match (old, geometry) {
             (Geometry::Loose { parts: old, .. }, Geometry::Loose { parts, .. }) => Arc::ptr_eq(old, parts),
             (Geometry::Analytic { surfaces: old, .. }, Geometry::Analytic { surfaces, .. }) => {
@@ -145,7 +154,10 @@ pub(super) fn rebind_materials(old: &SurfaceBindings, appearance: &AppearanceKey
     };
     let owners = old.owners.iter().map(|owners| match owners {
         Owners::One(one) => Owners::One(owner(one)),
-        Owners::Each(each) => Owners::Each(each.iter().map(owner).collect()),
+        Owners::Each(each) if each.iter().any(|it| owner(it).material != it.material) => {
+            Owners::Each(each.iter().map(owner).collect())
+        }
+        Owners::Each(each) => Owners::Each(Arc::clone(each)),
     });
     SurfaceBindings {
         owners: owners.collect(),
@@ -390,7 +402,7 @@ impl BindingBuilder<'_, '_> {
                         .and_then(|radiance| self.emit(geometry, triangles, i, surface, radiance));
                     owners.push(self.owner(surface, emitter.unwrap_or(NO_EMITTER)));
                 })?;
-                Ok(Owners::Each(owners.into()))
+                Ok(Owners::Each(shared(owners)?))
             }
             &Geometry::Flat { ref triangles, surface, .. } => {
                 let mut first = NO_EMITTER;
@@ -406,7 +418,7 @@ impl BindingBuilder<'_, '_> {
             &Geometry::Instance { surface, .. } => Ok(Owners::One(self.owner(surface, NO_EMITTER))),
             Geometry::Analytic { shapes, surfaces } => {
                 let owners = self.analytic(&shapes.start, &shapes.moving, surfaces)?;
-                Ok(Owners::Each(owners.into()))
+                Ok(Owners::Each(shared(owners)?))
             }
         }
     }
@@ -434,7 +446,10 @@ impl BindingBuilder<'_, '_> {
         owners.extend(before.iter().map(owner));
         let emits_both = lit.iter().any(|i| self.emits_both(owners[*i].surface));
         self.make_room(lit.len(), emits_both)?;
-        for i in lit {
+        for (count, i) in lit.into_iter().enumerate() {
+            if count % LAMPS_PER_CHECK == 0 {
+                self.progress.check()?;
+            }
             let surface = owners[i].surface;
             let Some(radiance) = self.emission(surface) else { continue };
             owners[i].emitter = match geometry {
@@ -445,7 +460,7 @@ impl BindingBuilder<'_, '_> {
                 Geometry::Flat { .. } | Geometry::Instance { .. } => NO_EMITTER,
             };
         }
-        Ok(Owners::Each(owners.into()))
+        Ok(Owners::Each(shared(owners)?))
     }
 
     /// Refuses lamps that move and whose radiance a texture varies.

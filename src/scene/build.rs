@@ -40,7 +40,8 @@ impl Scene {
     /// Builds the scene of an edited description and reuses every part of this scene that did not change. This scene
     /// stays as it is and may be in use meanwhile.
     ///
-    /// Changes are found by comparing the two descriptions. Two meshes are the same if they are the same `Arc`; two
+    /// Changes are found by comparing the two descriptions, apart from the blocks of surfaces that both share
+    /// ([`Surfaces`](crate::desc::Surfaces)): the description is best a clone of the one before that was edited. Two meshes are the same if they are the same `Arc`; two
     /// surfaces are the same if their shapes, their placements and whether they are hidden agree.
     ///
     /// - Edits of the camera, of materials, of lights, of which surface has which material, of the colour of an
@@ -115,7 +116,7 @@ fn rebuild(old: &Scene, desc: &SceneDesc, options: &BuildOptions) -> Result<Scen
             list: Arc::clone(&old.list),
             geometries: Arc::clone(&old.geometries),
             centre: old.centre,
-            record: Arc::clone(&old.record),
+            record: old.record.seen_again(desc),
         };
         let bindings = if !appearance.has_same_emitters(&old.appearance) {
             bindings(desc, assembly.unbound(), device.threads(), kept, &progress)?

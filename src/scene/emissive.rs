@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::desc::{MaterialDesc, SceneDesc, SpectrumKey, SurfaceDesc};
+use crate::desc::{BlockFacts, MaterialDesc, SceneDesc, SpectrumKey, SurfaceDesc};
 use crate::error::Result;
 
 /// Returns the description in which every surface of a material that emits light has the material's emission, unless the surface
@@ -18,7 +18,10 @@ pub(super) fn with_emission_of_materials(desc: &SceneDesc) -> Result<Cow<'_, Sce
     }
     let mut lit = desc.clone();
     let of_material = |surface: &SurfaceDesc| desc.material_of(surface).filter(|it| it.emission.is_some());
-    for (number, surface) in desc.surfaces.iter().enumerate().filter(|(_, surface)| surface.emission.is_none()) {
+    let is_emissive = |number: usize| desc.materials.get(number).is_some_and(|it| it.emission.is_some());
+    let concerns = |facts: &BlockFacts| facts.shines_unevenly || facts.has(|it| it.is_some_and(is_emissive));
+    let surfaces = desc.surfaces.of_blocks(concerns);
+    for (number, surface) in surfaces.filter(|(_, surface)| surface.emission.is_none()) {
         let material = of_material(surface);
         // A web is of the surface's own emission.
         if material.is_some() || surface.web.is_some() || surface.spectrum.is_some() {

@@ -51,7 +51,7 @@ pub(super) enum Owners {
     /// One surface owns all primitives. The emitters of an emitting mesh are numbered consecutively, starting at the
     /// owner's emitter.
     One(Owner),
-    /// Loose triangles, each of which has its own owner.
+    /// Loose triangles or shapes, each of which has its own owner.
     Each(Arc<[Owner]>),
 }
 

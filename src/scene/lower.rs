@@ -12,6 +12,7 @@ use super::groups::{self, WholePlacement};
 use super::instance_transform::inverts_well;
 use super::lower_moving::{self, MovingSurface};
 use super::record::GeometryRecord;
+use super::singles::is_analytic;
 use crate::Cancel;
 use crate::desc::{BlockFacts, MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc};
 use crate::error::{Error, ErrorKind, Result};
@@ -165,6 +166,9 @@ fn single_bounds(surface: &SurfaceDesc, to_world: &DAffine3) -> Result<Bounds> {
     }
 }
 
+/// Number of surfaces that are lowered between two checks for cancellation.
+const LOOK: usize = 1024;
+
 /// The surfaces of a kind that rest, of the blocks whose facts say that there are any.
 fn resting<'a>(
     desc: &'a SceneDesc,
@@ -176,9 +180,12 @@ fn resting<'a>(
 }
 
 /// The triangles of the surfaces that are triangles and quads and rest. The winding gives the outer side.
-pub(super) fn triangles(desc: &SceneDesc, lowered: &Lowered) -> Result<Vec<([DVec3; 3], Part)>> {
+pub(super) fn triangles(desc: &SceneDesc, lowered: &Lowered, cancel: &Cancel) -> Result<Vec<([DVec3; 3], Part)>> {
     let mut triangles = with_room(lowered.triangles)?;
     for (number, surface) in resting(desc, lowered, |facts| facts.triangles > 0) {
+        if triangles.len() % LOOK == 0 {
+            cancel.check()?;
+        }
         let to_world = surface.to_world();
         let place = |p: &DVec3| to_world.transform_point3(*p);
         let mut add = |half: u32, corners: [DVec3; 3]| {
@@ -199,10 +206,13 @@ pub(super) fn triangles(desc: &SceneDesc, lowered: &Lowered) -> Result<Vec<([DVe
 }
 
 /// The spheres, disks and quadrics that rest, each with the number of its surface.
-pub(super) fn shapes(desc: &SceneDesc, lowered: &Lowered) -> Result<Vec<(WorldShape, usize)>> {
+pub(super) fn shapes(desc: &SceneDesc, lowered: &Lowered, cancel: &Cancel) -> Result<Vec<(WorldShape, usize)>> {
     let mut shapes = with_room(lowered.shapes)?;
     for (number, surface) in resting(desc, lowered, |facts| facts.shapes > 0) {
-        if !matches!(surface.shape, ShapeDesc::Triangle(_) | ShapeDesc::Quad(_) | ShapeDesc::Mesh { .. }) {
+        if shapes.len() % LOOK == 0 {
+            cancel.check()?;
+        }
+        if is_analytic(&surface.shape) {
             shapes.push((world_shape(surface)?, number));
         }
     }
@@ -237,7 +247,7 @@ fn check_volumes(desc: &SceneDesc, lowered: &Lowered, cancel: &Cancel) -> Result
             format!("{what} is too large to be met in a scene {across:e} across: area times size must stay below 2e37");
         Err(Error::invalid(&desc.surfaces[surface].path, message))
     };
-    if let Some((_, part)) = triangles(desc, lowered)?.iter().find(|(corners, _)| is_lost(*corners, across)) {
+    if let Some((_, part)) = triangles(desc, lowered, cancel)?.iter().find(|(corners, _)| is_lost(*corners, across)) {
         return lost(part.surface as usize, "it".to_owned());
     }
     // Of a mesh in this frame, in which the scene is so far across.

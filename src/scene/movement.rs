@@ -82,9 +82,9 @@ pub(super) fn posed(desc: &SceneDesc) -> Result<Cow<'_, SceneDesc>> {
         }
     }
     for (&number, motion) in &desc.motion.surfaces {
-        let surface = &mut posed.surfaces[number];
         let path = motion.path();
-        if surface.hidden || path.rests_in(interval) {
+        if desc.surfaces[number].hidden || path.rests_in(interval) {
+            let surface = &mut posed.surfaces[number];
             surface.transform = path.at(open) * surface.transform;
             posed.motion.surfaces.remove(&number);
         }

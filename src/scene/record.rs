@@ -9,8 +9,8 @@ use super::singles::Singles;
 use super::textured_emission::{binding_of, texture_of_light};
 use crate::desc::{
     DistantLightDesc, EnvironmentDesc, EnvironmentMapDesc, LightDistribution, MeshDesc, MeshStep, MotionDesc,
-    PointLightDesc, PortalDesc, SceneDesc, ShapeDesc, SkyDesc, SpectrumDesc, SurfaceDesc, Surfaces, TextureChannel,
-    TextureDesc, TextureKey,
+    PointLightDesc, PortalDesc, SceneDesc, ShapeDesc, SkyDesc, SpectrumDesc, SurfaceBlock, SurfaceDesc, Surfaces,
+    TextureChannel, TextureDesc, TextureKey,
 };
 use crate::math::{Bounds, DAffine3, DVec3};
 use crate::spectrum::Rgb;
@@ -35,13 +35,14 @@ pub(super) struct Objects {
 
 /// The description from which the geometry of a scene was built. The record stays the same object as long as the
 /// geometry is unchanged.
+#[derive(Clone)]
 pub(super) struct GeometryRecord {
-    /// As they are as the shutter opens.
+    /// As they are as the shutter opens, in the last description that had this geometry.
     surfaces: Surfaces,
     movements: Movements,
     meshes: Vec<KnownMesh>,
     /// Boxes of the blocks of surfaces, as [`Lowered::block_bounds`](super::lower::Lowered).
-    block_bounds: Vec<Option<Bounds>>,
+    pub block_bounds: Vec<Option<Bounds>>,
     pub objects: Objects,
     /// The number of the surface of each shape in the list.
     pub list_surfaces: Vec<u32>,
@@ -77,14 +78,14 @@ pub(super) struct BuildFacts {
 }
 
 /// How a surface moves while the shutter is open.
-#[derive(Default, PartialEq)]
+#[derive(Clone, Default, PartialEq)]
 struct SurfaceMovement {
     motion: Option<Arc<MotionDesc>>,
     steps: Option<Arc<[MeshStep]>>,
 }
 
 /// How surfaces move.
-#[derive(PartialEq)]
+#[derive(Clone, PartialEq)]
 struct Movements {
     /// When the shutter opens and closes, where anything moves.
     interval: Option<[f64; 2]>,
@@ -124,11 +125,25 @@ impl Movements {
 
 /// A mesh of the description. The description itself may be dropped; the reference that is stored here keeps the mesh's
 /// address from being reused.
+#[derive(Clone)]
 struct KnownMesh {
     identity: Weak<MeshDesc>,
     bounds: Option<Bounds>,
     /// The whole mesh, where it has texture coordinates or colours.
     whole: Option<Arc<MeshDesc>>,
+}
+
+impl KnownMesh {
+    /// Those of a description, with the boxes that are known by their addresses.
+    fn of_all(desc: &SceneDesc, bounds: &HashMap<usize, Bounds>) -> Vec<Self> {
+        let of = |mesh: &Arc<MeshDesc>| Self {
+            identity: Arc::downgrade(mesh),
+            bounds: bounds.get(&address(mesh)).copied(),
+            whole: (mesh.has_uvs() || !mesh.further_uvs.is_empty() || !mesh.colors.is_empty())
+                .then(|| Arc::clone(mesh)),
+        };
+        desc.meshes.iter().map(of).collect()
+    }
 }
 
 impl GeometryRecord {
@@ -137,23 +152,22 @@ impl GeometryRecord {
         bounds: &HashMap<usize, Bounds>,
         objects: Objects,
         list_surfaces: Vec<u32>,
-        lowered: (BuildFacts, Vec<Option<Bounds>>),
+        facts: BuildFacts,
         is_dynamic: bool,
         singles: Singles,
     ) -> Self {
-        let meshes = desc
-            .meshes
-            .iter()
-            .map(|mesh| KnownMesh {
-                identity: Arc::downgrade(mesh),
-                bounds: bounds.get(&address(mesh)).copied(),
-                whole: (mesh.has_uvs() || !mesh.further_uvs.is_empty() || !mesh.colors.is_empty())
-                    .then(|| Arc::clone(mesh)),
-            })
-            .collect();
-        let (facts, block_bounds) = lowered;
         let (surfaces, movements) = (desc.surfaces.clone(), Movements::new(desc));
+        let (meshes, block_bounds) = (KnownMesh::of_all(desc, bounds), Vec::new());
         Self { surfaces, movements, meshes, block_bounds, objects, list_surfaces, facts, is_dynamic, singles }
+    }
+
+    /// The record with the surfaces of a description that has its geometry, so that the next one is compared with these.
+    pub(super) fn seen_again(self: &Arc<Self>, desc: &SceneDesc) -> Arc<Self> {
+        if self.surfaces.unshared(&desc.surfaces).next().is_none() {
+            return Arc::clone(self);
+        }
+        let meshes = KnownMesh::of_all(desc, &self.mesh_bounds());
+        Arc::new(Self { surfaces: desc.surfaces.clone(), meshes, ..Self::clone(self) })
     }
 
     /// Returns whether `desc` has the recorded geometry: the same shapes in the same places, and the same meshes.
@@ -255,8 +269,8 @@ pub(super) struct AppearanceKey {
     surfaces: Surfaces,
     /// Number of materials.
     materials: usize,
-    /// The textures that vary emissions, of each surface; empty where there are none.
-    emission_textures: Vec<Option<(Arc<TextureDesc>, TextureKey, TextureChannel)>>,
+    /// The textures that vary emissions, with the numbers of their surfaces.
+    emission_textures: Vec<(usize, (Arc<TextureDesc>, TextureKey, TextureChannel))>,
     lights: Vec<(DVec3, Rgb, LightDistribution, Option<SpectrumDesc>)>,
     /// Motions of lights, and the shutter's interval where there are any.
     light_motions: (BTreeMap<usize, Arc<MotionDesc>>, Option<[f64; 2]>),
@@ -306,7 +320,12 @@ impl AppearanceKey {
             (light.position, light.intensity, light.distribution.clone(), light.spectrum.clone())
         };
         Self {
-            emission_textures: if is_textured { desc.surfaces.iter().map(texture_of).collect() } else { Vec::new() },
+            emission_textures: if is_textured {
+                let lamps = desc.surfaces.of_blocks(|facts| facts.emits);
+                lamps.filter_map(|(number, surface)| Some((number, texture_of(surface)?))).collect()
+            } else {
+                Vec::new()
+            },
             surfaces: desc.surfaces.clone(),
             materials: desc.materials.len(),
             lights: desc.lights.iter().map(light).collect(),
@@ -336,16 +355,14 @@ impl AppearanceKey {
 
     /// The blocks whose surfaces may have other materials than they had in `old`, each said by its number; `None` where all have the same.
     pub(super) fn reclad(&self, old: &Self) -> Option<Vec<bool>> {
-        let is_all = self.materials != old.materials || self.surfaces.len() != old.surfaces.len();
-        let count = self.surfaces.blocks().count();
-        if is_all {
-            return Some(vec![true; count]);
-        }
+        let edited = self.surfaces.unshared(&old.surfaces).filter(|(_, own, old)| own.material != old.material);
+        let edited = edited.map(|(number, ..)| Surfaces::place_of(number));
+        // Surfaces without a material have the number after the last.
+        let is_other =
+            |block: &SurfaceBlock<'_>| self.materials != old.materials && block.facts().has(|it| it.is_none());
         let mut reclad = None;
-        for (number, own, old) in self.surfaces.unshared(&old.surfaces) {
-            if own.material != old.material {
-                reclad.get_or_insert_with(|| vec![false; count])[Surfaces::place_of(number)] = true;
-            }
+        for place in edited.chain(self.surfaces.blocks().filter(is_other).map(|block| block.place)) {
+            reclad.get_or_insert_with(|| vec![false; self.surfaces.blocks().count()])[place] = true;
         }
         reclad
     }
@@ -372,4 +389,34 @@ fn shine_alike(one: &SurfaceDesc, other: &SurfaceDesc) -> bool {
         && one.emits_both == other.emits_both
         && one.web == other.web
         && one.spectrum == other.spectrum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::desc::SurfaceLook;
+    use crate::scene::{BuildOptions, Scene};
+
+    /// An edit of how surfaces look leaves the geometry as it is; the next one is compared with the surfaces of that edit, of which it shares
+    /// all blocks.
+    #[test]
+    fn what_was_seen_is_not_looked_at_again() {
+        let mut desc = SceneDesc::default();
+        let look = SurfaceLook { emission: Some(Rgb::ONE), ..SurfaceLook::default() };
+        for number in 0..600 {
+            let centre = DVec3::new(2.0 * f64::from(number), 0.0, -9.0);
+            desc.add_surface(ShapeDesc::Sphere { centre, radius: 0.5 }, DAffine3::IDENTITY, look).unwrap();
+        }
+        let options = BuildOptions { dynamic: true, ..BuildOptions::default() };
+        let first = Scene::build(&desc, &options).unwrap();
+        desc.surfaces.iter_mut().for_each(|surface| surface.emission = Some(Rgb::splat(2.0)));
+        let unseen = |scene: &Scene, desc: &SceneDesc| scene.record.surfaces.unshared(&desc.surfaces).count();
+        assert_eq!(unseen(&first, &desc), 600);
+        let second = first.rebuild(&desc, &options).unwrap();
+        assert_eq!(unseen(&second, &desc), 0);
+        assert!(!Arc::ptr_eq(&first.record, &second.record));
+        let third = second.rebuild(&desc, &options).unwrap();
+        assert!(Arc::ptr_eq(&second.record, &third.record));
+        assert_eq!(third.record.block_bounds, first.record.block_bounds);
+    }
 }

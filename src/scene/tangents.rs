@@ -17,6 +17,7 @@ use crate::desc::{MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc, TextureKey, Textu
 use crate::embree::{Charge, Device};
 use crate::error::Result;
 use crate::math::{DMat3, Vec3};
+use crate::room::filled;
 
 /// The tangents of a mesh in its own frame.
 #[derive(Debug)]
@@ -57,7 +58,10 @@ impl SurfaceTangents {
             all.known.insert(key, (Arc::clone(mesh), Arc::clone(&tangents)));
             Ok(Some(tangents))
         };
-        all.of_surfaces = desc.surfaces.iter().map(&mut of).collect::<Result<_>>()?;
+        all.of_surfaces = filled(None, desc.surfaces.len())?;
+        for (number, surface) in desc.surfaces.meshes() {
+            all.of_surfaces[number] = of(surface)?;
+        }
         Ok(all)
     }
 

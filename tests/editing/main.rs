@@ -9,11 +9,12 @@ mod taken_over;
 
 use std::sync::Arc;
 
-use etendue::desc::{RenderDesc, SceneDesc, Surfaces};
+use etendue::desc::{KeyPlace, MotionDesc, MotionKey, RenderDesc, SceneDesc, ShapeDesc, Surfaces};
 use etendue::embree::{Device, DeviceOptions};
-use etendue::math::{Ray, Vec3};
+use etendue::math::{DAffine3, DVec3, Ray, Vec3};
 use etendue::scene::{BuildOptions, Scene};
-use scenes::{EDITS, Random, scenes};
+use etendue::spectrum::Rgb;
+use scenes::{EDITS, Edit, Random, scenes, surface};
 
 /// Rays of a comparison.
 const RAYS: usize = 10_000;
@@ -63,7 +64,9 @@ pub fn compare(what: &str, edited: &Scene, fresh: &Scene) {
     let size = (bounds.max - bounds.min).length();
     let mut stray = 0;
     for (number, (from, direction)) in rays(fresh, &mut Random(5), RAYS).into_iter().enumerate() {
-        let ray_in = |scene: &Scene| Ray::new(scene.to_scene(from), direction.as_vec3a());
+        // At moments from when the shutter opens to when it closes.
+        let time = number as f32 / RAYS as f32;
+        let ray_in = |scene: &Scene| Ray { time, ..Ray::new(scene.to_scene(from), direction.as_vec3a()) };
         let (ray, fresh_ray) = (ray_in(edited), ray_in(fresh));
         let (hit, fresh_hit) = (edited.intersect(&ray), fresh.intersect(&fresh_ray));
         let segment = |ray: Ray| Ray { tfar: 0.3 * size as f32, ..ray };
@@ -96,6 +99,7 @@ pub fn compare(what: &str, edited: &Scene, fresh: &Scene) {
     assert_eq!(emitters.len(), expected.len(), "{what}");
     assert_eq!(edited.emitters().is_dark(), fresh.emitters().is_dark(), "{what}");
     for (emitter, expected) in emitters.iter().zip(expected) {
+        assert_eq!(emitter.moving().is_some(), expected.moving().is_some(), "{what}: a lamp moves in one of both");
         let (a, b) = (emitter.power(), expected.power());
         assert!((a - b).abs().max_element() <= 1e-4 * b.max_element(), "{what}: power {a} for {b}");
     }
@@ -180,6 +184,33 @@ fn the_old_scene_stays_as_it_is() {
         drop(desc);
         assert!(image(&last, &copy) == expected, "{name}");
     }
+}
+
+/// Lamps that move go on moving where lights are edited, and what cannot shine while it moves is still refused.
+#[test]
+fn lamps_that_move_go_on_moving() {
+    let (_, mut original) = scenes().into_iter().find(|(name, _)| *name == "singles").unwrap();
+    original.motion.shutter.close = 1.0;
+    let key = |time, x| MotionKey { time, place: KeyPlace::Matrix(DAffine3::from_translation(DVec3::X * x)) };
+    let motion = Arc::new(MotionDesc { keys: vec![key(0.0, 0.0), key(1.0, 0.3)] });
+    let disk = surface(&original, ShapeDesc::disk(DVec3::ZERO, DVec3::Y, 0.3).unwrap().0, DAffine3::IDENTITY, None);
+    original.surfaces.push(disk);
+    let disk = original.surfaces.len() - 1;
+    let lamps: Vec<usize> = (0..disk).filter(|number| original.surfaces[*number].emission.is_some()).collect();
+    for &number in lamps.iter().chain([&disk]) {
+        original.motion.surfaces.insert(number, Arc::clone(&motion));
+    }
+    let options = options(true);
+    let scene = Scene::build(&original, &options).unwrap();
+    let mut desc = original.clone();
+    Edit::Light.apply(&mut desc, &mut Random(1));
+    let edited = scene.rebuild(&desc, &options).unwrap();
+    compare("lights beside moving lamps", &edited, &Scene::build(&desc, &options).unwrap());
+    assert!(edited.emitters().emitters().iter().filter(|it| it.moving().is_some()).count() >= lamps.len());
+    desc.surfaces[disk].emission = Some(Rgb::ONE);
+    let error = scene.rebuild(&desc, &options).unwrap_err();
+    assert_eq!(error.to_string(), Scene::build(&desc, &options).unwrap_err().to_string());
+    assert!(error.to_string().contains("cannot move"), "{error}");
 }
 
 #[test]

@@ -269,9 +269,13 @@ pub enum Edit {
     UseAdded,
     Removed,
     Motion,
+    MaterialAdded,
+    MaterialTaken,
+    MaterialEmits,
+    BothSides,
 }
 
-pub const EDITS: [Edit; 18] = [
+pub const EDITS: [Edit; 22] = [
     Edit::MaterialParameters,
     Edit::MaterialIndex,
     Edit::EmissionColour,
@@ -290,6 +294,10 @@ pub const EDITS: [Edit; 18] = [
     Edit::UseAdded,
     Edit::Removed,
     Edit::Motion,
+    Edit::MaterialAdded,
+    Edit::MaterialTaken,
+    Edit::MaterialEmits,
+    Edit::BothSides,
 ];
 
 impl Edit {
@@ -396,6 +404,27 @@ impl Edit {
                     desc.surfaces.remove(number);
                     // The surfaces after it have other numbers.
                     desc.motion.surfaces.split_off(&number);
+                }
+            }
+            Self::MaterialAdded => {
+                let added = desc.materials.len();
+                desc.materials.push(material(added, BsdfDesc::Lambert { albedo: random.colour() }));
+                desc.surfaces[number].material = Some(added);
+            }
+            Self::MaterialTaken => desc.surfaces[number].material = None,
+            Self::MaterialEmits => {
+                let number = random.below(desc.materials.len());
+                let users = || desc.surfaces.iter().filter(|it| !it.hidden && it.material == Some(number));
+                let can_emit =
+                    |it: &SurfaceDesc| !matches!(it.shape, ShapeDesc::Quadric { .. } | ShapeDesc::Disk { .. });
+                if users().all(can_emit) && users().count() < 10 {
+                    let material = &mut desc.materials[number];
+                    material.emission = if material.emission.is_some() { None } else { Some(random.colour()) };
+                }
+            }
+            Self::BothSides => {
+                if !is_sphere {
+                    desc.surfaces[number].emits_both ^= true;
                 }
             }
             // A shift that lasts as long as the shutter is open, or is over before.

@@ -17,7 +17,7 @@ pub(crate) struct Steps {
     links: u32,
     /// Number of steps after it.
     after: u32,
-    /// Whether vertices have the means of the leaves around them, and no irradiance of their own.
+    /// Whether vertices have the means of the leaves around them, and no irradiance of their own. Checkpoints of before do not say it.
     #[serde(default)]
     means: bool,
 }
@@ -191,7 +191,7 @@ impl Course {
             true => "elements at the edges of shadows are larger".to_owned(),
             false => "links are as accurate as they were to be".to_owned(),
         };
-        let means = if self.means { ", between means over elements" } else { "" };
+        let means = if self.means { "; vertices have the means of the elements around them" } else { "" };
         let after = match (self.is_short, self.after) {
             (false, _) => "",
             (true, 0) => {
