@@ -270,13 +270,16 @@ pub(super) struct AppearanceKey {
     /// Number of materials.
     materials: usize,
     /// The textures that vary emissions, with the numbers of their surfaces.
-    emission_textures: Vec<(usize, (Arc<TextureDesc>, TextureKey, TextureChannel))>,
+    emission_textures: Vec<(usize, TextureOfEmission)>,
     lights: Vec<(DVec3, Rgb, LightDistribution, Option<SpectrumDesc>)>,
     /// Motions of lights, and the shutter's interval where there are any.
     light_motions: (BTreeMap<usize, Arc<MotionDesc>>, Option<[f64; 2]>),
     environment: Option<EnvironmentKey>,
     distant: Vec<DistantLightDesc>,
 }
+
+/// A texture that varies an emission, the parameter that it varies, and by which channel.
+type TextureOfEmission = (Arc<TextureDesc>, TextureKey, TextureChannel);
 
 /// The description of light from infinity, apart from its path.
 #[derive(Debug, PartialEq)]
