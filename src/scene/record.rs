@@ -1,6 +1,6 @@
 //! The parts of a description that a scene records, so that a later rebuild can tell what changed.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::{Arc, Weak};
 
 use super::groups::GroupObjects;
@@ -33,8 +33,8 @@ pub(super) struct Objects {
     pub groups: GroupObjects,
 }
 
-/// The description from which the geometry of a scene was built. The record stays the same object as long as the
-/// geometry is unchanged.
+/// The description from which the geometry of a scene was built. Its parts stay the same as long as the geometry is
+/// unchanged.
 #[derive(Clone)]
 pub(super) struct GeometryRecord {
     /// As they are as the shutter opens, in the last description that had this geometry.
@@ -167,19 +167,25 @@ impl GeometryRecord {
             return Arc::clone(self);
         }
         let meshes = KnownMesh::of_all(desc, &self.mesh_bounds());
-        Arc::new(Self { surfaces: desc.surfaces.clone(), meshes, ..Self::clone(self) })
+        let mut again = Self { surfaces: desc.surfaces.clone(), meshes, ..Self::clone(self) };
+        // A mesh that is no longer known may leave its address to another one.
+        let known: HashSet<usize> = desc.meshes.iter().map(address).collect();
+        again.objects.meshes.retain(|(address, _), _| known.contains(address));
+        Arc::new(again)
     }
 
     /// Returns whether `desc` has the recorded geometry: the same shapes in the same places, and the same meshes.
     pub(super) fn is_geometry_of(&self, desc: &SceneDesc) -> bool {
         let is_other = |mesh: usize| !self.is_same_mesh(mesh, mesh, desc);
         let has_others = (0..self.meshes.len()).any(is_other);
+        // Those of other blocks are compared in pairs, and may have other numbers.
+        let shared = || self.surfaces.blocks().filter(|block| self.surfaces.shares(&desc.surfaces, block.place));
         let is_one = |surface: &SurfaceDesc| {
             !surface.hidden && matches!(surface.shape, ShapeDesc::Mesh { mesh, .. } if is_other(mesh))
         };
         self.surfaces.len() == desc.surfaces.len()
             && self.surfaces.unshared(&desc.surfaces).all(|(_, old, new)| self.is_same(old, new, desc))
-            && !(has_others && self.surfaces.meshes().any(|(_, surface)| is_one(surface)))
+            && !(has_others && shared().flat_map(SurfaceBlock::meshes).any(|(_, surface)| is_one(surface)))
             && self.movements == Movements::new(desc)
     }
 
@@ -269,8 +275,8 @@ pub(super) struct AppearanceKey {
     surfaces: Surfaces,
     /// Number of materials.
     materials: usize,
-    /// The textures that vary emissions, with the numbers of their surfaces.
-    emission_textures: Vec<(usize, TextureOfEmission)>,
+    /// The textures that vary emissions, with the numbers of their surfaces; `None` where no material has one.
+    emission_textures: Option<Vec<(usize, TextureOfEmission)>>,
     lights: Vec<(DVec3, Rgb, LightDistribution, Option<SpectrumDesc>)>,
     /// Motions of lights, and the shutter's interval where there are any.
     light_motions: (BTreeMap<usize, Arc<MotionDesc>>, Option<[f64; 2]>),
@@ -323,12 +329,10 @@ impl AppearanceKey {
             (light.position, light.intensity, light.distribution.clone(), light.spectrum.clone())
         };
         Self {
-            emission_textures: if is_textured {
+            emission_textures: is_textured.then(|| {
                 let lamps = desc.surfaces.of_blocks(|facts| facts.emits);
                 lamps.filter_map(|(number, surface)| Some((number, texture_of(surface)?))).collect()
-            } else {
-                Vec::new()
-            },
+            }),
             surfaces: desc.surfaces.clone(),
             materials: desc.materials.len(),
             lights: desc.lights.iter().map(light).collect(),
@@ -421,5 +425,41 @@ mod tests {
         let third = second.rebuild(&desc, &options).unwrap();
         assert!(Arc::ptr_eq(&second.record, &third.record));
         assert_eq!(third.record.block_bounds, first.record.block_bounds);
+    }
+
+    /// A mesh that hidden surfaces alone name is replaced, and then something else is edited: its hierarchy is forgotten with it, for another
+    /// mesh may come to have its address.
+    #[test]
+    fn hierarchies_are_forgotten_with_their_meshes() {
+        let sheet = |height: f64| {
+            let side = 0..10_u32;
+            let corner = |x: u32, y: u32| DVec3::new(f64::from(x), height * f64::from(x * y % 3), -30.0 - f64::from(y));
+            let positions = side.clone().flat_map(|y| side.clone().map(move |x| corner(x, y))).collect();
+            let cells = (0..9).flat_map(|y| (0..9).map(move |x| 10 * y + x));
+            let triangles = cells.flat_map(|i| [[i, i + 1, i + 11], [i, i + 11, i + 10]]).collect();
+            Arc::new(MeshDesc { path: "meshes".into(), positions, triangles, ..MeshDesc::default() })
+        };
+        let mut desc = SceneDesc { meshes: vec![sheet(0.1), sheet(0.2)], ..SceneDesc::default() };
+        let look = SurfaceLook { emission: Some(Rgb::ONE), ..SurfaceLook::default() };
+        let ball = ShapeDesc::Sphere { centre: DVec3::NEG_Z, radius: 0.5 };
+        desc.add_surface(ball, DAffine3::IDENTITY, look).unwrap();
+        for mesh in 0..2 {
+            let shape = ShapeDesc::Mesh { mesh, smooth: false };
+            desc.add_surface(shape, DAffine3::IDENTITY, look).unwrap();
+            desc.surfaces[1 + mesh].emission = None;
+        }
+        let options = BuildOptions { dynamic: true, ..BuildOptions::default() };
+        let mut scene = Scene::build(&desc, &options).unwrap();
+        let objects = |scene: &Scene| scene.record.objects.meshes.len();
+        assert_eq!(objects(&scene), 2);
+        desc.surfaces[1].hidden = true;
+        scene = scene.rebuild(&desc, &options).unwrap();
+        assert_eq!(objects(&scene), 2, "what is hidden may come back");
+        desc.meshes[0] = sheet(0.3);
+        desc.surfaces[0].emission = Some(Rgb::splat(2.0));
+        scene = scene.rebuild(&desc, &options).unwrap();
+        let known = |key: &ObjectKey| desc.meshes.iter().any(|mesh| address(mesh) == key.0);
+        assert!(scene.record.objects.meshes.keys().all(known));
+        assert_eq!(objects(&scene), 1);
     }
 }

@@ -56,7 +56,7 @@ pub(super) fn vertices(shared: &SharedHierarchy, parallel: &mut impl Parallel) -
     Ok(irradiance.into_iter().map(Rgb::from_f64).collect())
 }
 
-/// The mean irradiance of the leaves around each vertex, which takes no time.
+/// The mean irradiance of the leaves around each vertex, which takes hardly any time.
 pub(super) fn means(elements: &Elements, leaves: &[(u32, DVec3)]) -> Vec<Rgb> {
     let found = leaves.iter().map(|&(leaf, mean)| (leaf, [mean; 3]));
     means_at_vertices(elements, found).into_iter().map(Rgb::from_f64).collect()
