@@ -43,6 +43,9 @@ pub(crate) fn encode_texels(
         .map_err(|error| Error::new(ErrorKind::Io, format!("cannot write the image: {error}")).because(error))
 }
 
+/// Memory that the decoder takes beside the pixels: lines, its window, and what it has read.
+const DECODER_BYTES: usize = 1 << 20;
+
 /// Reads any PNG as linear colour without alpha.
 pub(super) fn decode(reader: impl BufRead + Seek) -> Result<Image> {
     let mut limits = Limits::no_limits();
@@ -51,8 +54,8 @@ pub(super) fn decode(reader: impl BufRead + Seek) -> Result<Image> {
     let decoder = PngDecoder::with_limits(reader, limits).map_err(unreadable)?;
     let (width, height) = decoder.dimensions();
     let (width, height) = check_size(u64::from(width), u64::from(height))?;
-    // The decoder's library ends the process where there is no room for the pixels.
-    check_room(usize::try_from(decoder.total_bytes()).unwrap_or(usize::MAX))?;
+    // The decoder's library ends the process where there is no room for the pixels and for its own buffers.
+    check_room(usize::try_from(decoder.total_bytes()).unwrap_or(usize::MAX).saturating_add(DECODER_BYTES))?;
     let picture = DynamicImage::from_decoder(decoder).map_err(unreadable)?;
     let wide = |code: u16| srgb_decode(f32::from(code) / 65535.0);
     let linear: [f32; 256] = std::array::from_fn(|code| srgb_decode(code as f32 / 255.0));
