@@ -14,8 +14,9 @@ const BLOCK: usize = 256;
 
 /// The surfaces of a description, in order.
 ///
-/// It has the calls of a `Vec<SurfaceDesc>` that descriptions need, but is no slice. A clone shares the surfaces with the original until one of both is edited, in blocks of 256; what
-/// was built from a description recognises in an edited one the blocks that are still shared.
+/// It has the calls of a `Vec<SurfaceDesc>` that descriptions need, but is no slice. A clone shares the surfaces with the original
+/// until one of both is edited, in blocks of 256; what was built from a description recognises in an edited one the blocks that are
+/// still shared.
 #[derive(Clone, Debug, Default)]
 pub struct Surfaces {
     /// All are full but the last, and none is empty.
@@ -255,7 +256,6 @@ impl Surfaces {
         self.blocks.truncate(len.div_ceil(BLOCK));
         if let Some(last) = self.blocks.last_mut()
             && !len.is_multiple_of(BLOCK)
-            && last.surfaces.len() > len % BLOCK
         {
             last.edited().truncate(len % BLOCK);
         }

@@ -41,8 +41,9 @@ impl Scene {
     /// stays as it is and may be in use meanwhile.
     ///
     /// Changes are found by comparing the two descriptions, apart from the blocks of surfaces that both share
-    /// ([`Surfaces`](crate::desc::Surfaces)): the description is best a clone of the one before that was edited. Two meshes are the same if they are the same `Arc`; two
-    /// surfaces are the same if their shapes, their placements and whether they are hidden agree.
+    /// ([`Surfaces`](crate::desc::Surfaces)): the description is best a clone of the one before that was edited. Two
+    /// meshes are the same if they are the same `Arc`; two surfaces are the same if their shapes, their placements and
+    /// whether they are hidden agree.
     ///
     /// - Edits of the camera, of materials, of lights, of which surface has which material, of the colour of an
     ///   emission, and of whether a surface other than a mesh emits, leave the geometry as it is. The camera may move

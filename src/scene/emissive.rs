@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::desc::{BlockFacts, MaterialDesc, SceneDesc, SpectrumKey, SurfaceDesc};
+use crate::desc::{BlockFacts, MaterialDesc, SceneDesc, SpectrumKey};
 use crate::error::Result;
 
 /// Returns the description in which every surface of a material that emits light has the material's emission, unless the surface
@@ -17,12 +17,11 @@ pub(super) fn with_emission_of_materials(desc: &SceneDesc) -> Result<Cow<'_, Sce
         return Ok(Cow::Borrowed(desc));
     }
     let mut lit = desc.clone();
-    let of_material = |surface: &SurfaceDesc| desc.material_of(surface).filter(|it| it.emission.is_some());
-    let is_emissive = |number: usize| desc.materials.get(number).is_some_and(|it| it.emission.is_some());
-    let concerns = |facts: &BlockFacts| facts.shines_unevenly || facts.has(|it| it.is_some_and(is_emissive));
+    let emissive = |number: Option<usize>| desc.materials.get(number?).filter(|it| it.emission.is_some());
+    let concerns = |facts: &BlockFacts| facts.shines_unevenly || facts.has(|it| emissive(it).is_some());
     let surfaces = desc.surfaces.of_blocks(concerns);
     for (number, surface) in surfaces.filter(|(_, surface)| surface.emission.is_none()) {
-        let material = of_material(surface);
+        let material = emissive(surface.material);
         // A web is of the surface's own emission.
         if material.is_some() || surface.web.is_some() || surface.spectrum.is_some() {
             let surface = &mut lit.surfaces[number];
