@@ -1830,8 +1830,9 @@ typedef void (*etd_work_fn)(void *argument);
 /**
  * A function of the host that submits a job to the host's executor, and returns without waiting for the job.
  *
- * The thread of a render calls it, once for each helper and pass. The host must call `work(argument)` exactly once. The job may
- * run late or on the calling thread. The function must not unwind.
+ * The thread of a render calls it, once for each helper and pass, and as often for other work that threads share, such as the
+ * estimate of errors at the end. The host must call `work(argument)` exactly once. The job may run late or on the calling
+ * thread. The function must not unwind.
  */
 typedef void (*etd_submit_fn)(void *user_data, etd_work_fn work, void *argument);
 

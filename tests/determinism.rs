@@ -104,6 +104,30 @@ fn executors_change_nothing() {
     }
 }
 
+/// Threads estimate errors together, by which adaptive samples are distributed.
+#[test]
+fn executors_change_no_estimate() {
+    let scene = Scene::build(&room(), &BuildOptions::default()).unwrap();
+    let desc = RenderDesc { resolution: [45, 37], samples: 40, ..RenderDesc::default() };
+    let estimates = |workers: Workers| {
+        let settings = RenderSettings {
+            desc: desc.clone(),
+            workers: Some(workers),
+            adaptive: Some(true),
+            ..RenderSettings::default()
+        };
+        let mut render = Render::new(&scene, settings).unwrap();
+        let summary = render.run(&mut |_| ControlFlow::Continue(())).unwrap();
+        let counts = summary.sample_counts.unwrap();
+        assert!(summary.adaptive && counts.min < counts.max, "{counts:?}");
+        (summary.rel_mse.unwrap(), summary.display_error.unwrap(), counts, bits(&render.image()))
+    };
+    let reference = estimates(Workers::pool(1).unwrap());
+    for (name, workers) in executors() {
+        assert!(estimates(workers) == reference, "{name}");
+    }
+}
+
 /// Two renders of very different size share a pool's threads: the small one does not wait for passes of the large one.
 #[test]
 fn renders_that_share_a_pool_take_turns() {

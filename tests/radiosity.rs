@@ -287,7 +287,7 @@ fn integrating_sphere() {
 /// E = I rho / (r^2 (1 - rho)) for a point light of intensity I. The solution has large and small elements beside each other.
 #[test]
 fn a_ball_loses_no_light() {
-    for (albedo, light) in [(0.8, DVec3::ZERO), (0.8, DVec3::new(0.3, 0.2, 0.1)), (0.97, DVec3::new(0.3, 0.2, 0.1))] {
+    for (albedo, light) in [(0.8, DVec3::ZERO), (0.97, DVec3::new(0.3, 0.2, 0.1))] {
         let mut desc = SceneDesc { camera: camera(DVec3::ZERO, DVec3::X, 60.0), ..SceneDesc::default() };
         add(&mut desc, 0, ShapeDesc::Sphere { centre: DVec3::ZERO, radius: 1.0 }, lambert(albedo as f32), None);
         desc.lights.push(point_light(light, 1.0));

@@ -17,13 +17,13 @@ use super::read;
 use super::status::{ETD_OUT_OF_MEMORY, Failure, Result, etd_status};
 use super::types::*;
 use super::work::summary_out;
-use crate::Cancel;
 use crate::desc::SceneDesc;
 use crate::embree::Charge;
 use crate::film::{Film, Image, LayerKind, Shown};
 use crate::output::{self, Attribute, ToneMap, WriteOptions, summary_attributes};
 use crate::render::{Checkpoint, Share, Summary};
 use crate::spectrum::Primaries;
+use crate::{Alone, Cancel};
 
 /// The layers besides the colour that are images.
 pub(super) const LAYERS: [(etd_layer, LayerKind); 10] = [
@@ -259,21 +259,22 @@ impl etd_film {
     }
 
     /// Makes the summary of a film that was loaded or merged, of which no render has said one.
-    fn summarise(&self) {
+    fn summarise(&self) -> Result {
         let checkpoint = {
             let state = lock(&self.state);
             match &state.kept {
                 Some(kept) if state.summary.is_none() => kept.checkpoint.clone(),
-                _ => return,
+                _ => return Ok(()),
             }
         };
         let film = checkpoint.film();
+        let estimates = film.estimates(&mut Alone::default())?;
         let summary = Summary {
             samples: checkpoint.samples(),
             sample_counts: Some(film.counts()),
             rays: checkpoint.rays(),
-            rel_mse: film.rel_mse(),
-            display_error: film.display_error(),
+            rel_mse: estimates.rel_mse,
+            display_error: estimates.display,
             non_finite: film.non_finite(),
             ..Summary::default()
         };
@@ -286,6 +287,7 @@ impl etd_film {
             state.summary = Some(summary_out(&summary, Duration::ZERO, false));
             state.attributes = attributes;
         }
+        Ok(())
     }
 
     /// Whether renders have to keep first hits for the film's layers.
@@ -719,7 +721,8 @@ pub unsafe extern "C" fn etd_film_write(
             let path = text(path, "path")?;
             let it = read_image_options(options)?;
             let comments = optional_text(it.comments, "options.comments")?;
-            film.summarise();
+            // A picture is written also where there is no memory for its error.
+            film.summarise().ok();
             let (sums, attributes) = {
                 let state = lock(&film.state);
                 (state.sums.clone(), state.attributes.clone())
@@ -748,7 +751,7 @@ pub unsafe extern "C" fn etd_film_get_summary(film: *const etd_film, out_summary
     // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(film, |film| {
-            film.summarise();
+            film.summarise()?;
             let summary = lock(&film.state).summary;
             let summary = summary.ok_or_else(|| Failure::operation("no render has ended on this film yet"))?;
             write_sized(out_summary, "out_summary", summary)

@@ -1,8 +1,12 @@
 //! Error estimates of an image, from the scatter of the image's own samples.
 
-use super::unknown_mean::{UnknownMean, compare_with_surroundings};
-use super::{Film, PixelPhotonState, Tile, lock};
+use super::reference::Reference;
+use super::sums::{PixelError, Terms, cancelled, mean_of_channels};
+use super::{Film, Pixel, PixelExtras, PixelPhotonState, Tile, lock};
 use crate::Cancel;
+use crate::control::{Alone, Parallel};
+use crate::error::Result;
+use crate::room::with_room;
 use crate::spectrum::srgb_encode;
 
 /// A measure of the error of an image.
@@ -44,42 +48,6 @@ pub struct SampleCounts {
 /// have reached.
 pub(crate) const FEW_PIXELS: f64 = 0.35;
 
-/// What a pixel adds to the error of an image.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct PixelError {
-    /// The pixel's squared error, the mean over channels.
-    pub value: f64,
-    /// The same if a bright path that one sample has met was a stray path. Standard errors are computed from it.
-    pub bound: f64,
-}
-
-/// Sums over the pixels' terms of a mean, from which the mean and its standard error follow.
-#[derive(Clone, Copy, Default)]
-struct Terms {
-    count: f64,
-    sum: f64,
-    squares: f64,
-}
-
-impl Terms {
-    fn add(&mut self, error: PixelError) {
-        self.count += 1.0;
-        self.sum += error.value;
-        self.squares += error.bound * error.bound;
-    }
-
-    /// The mean and its standard error; `None` if a pixel has no estimate or the image is black.
-    fn mean(&self) -> Option<ErrorEstimate> {
-        // Products of noisy bias estimates may be negative.
-        let value = if self.sum < 0.0 { 0.0 } else { self.sum / self.count };
-        let scatter = (self.squares - self.sum * self.sum / self.count).max(0.0);
-        // One pixel has no scatter. The standard error is then that of an exponential distribution.
-        let standard_error =
-            if self.count > 1.0 { (scatter / (self.count * (self.count - 1.0))).sqrt() } else { value };
-        value.is_finite().then_some(ErrorEstimate { value, standard_error })
-    }
-}
-
 impl ErrorEstimate {
     /// Whether few pixels have most of the estimate, which is so if its standard error is more than about a third of its value.
     /// Pixels that have not met their rare bright paths yet may then have large errors as well. The estimate may be wrong by a
@@ -118,102 +86,69 @@ impl Film {
 
     /// The estimated error in a measure; see [`Film::rel_mse`] and [`Film::display_error`].
     pub fn error(&self, measure: ErrorMeasure) -> Option<ErrorEstimate> {
-        self.error_unless(measure, &Cancel::new())
+        self.error_on(measure, &mut Alone::default()).unwrap_or_default()
     }
 
-    /// The same as [`Film::error`]; also `None` if it was cancelled before the end.
-    pub(crate) fn error_unless(&self, measure: ErrorMeasure, cancel: &Cancel) -> Option<ErrorEstimate> {
+    /// The same as [`Film::error`], by several threads.
+    ///
+    /// # Errors
+    /// As [`Film::estimates`].
+    pub(crate) fn error_on(
+        &self,
+        measure: ErrorMeasure,
+        parallel: &mut impl Parallel,
+    ) -> Result<Option<ErrorEstimate>> {
+        let Estimates { rel_mse, display } = self.estimates_in(&[measure], parallel)?;
+        Ok(match measure {
+            ErrorMeasure::RelMse => rel_mse,
+            ErrorMeasure::Display => display,
+        })
+    }
+
+    /// The errors in both measures. They are the same for any number of threads.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Cancelled`] if the work was stopped before the end, [`ErrorKind::OutOfMemory`], and other errors of
+    /// `parallel`.
+    pub(crate) fn estimates(&self, parallel: &mut impl Parallel) -> Result<Estimates> {
+        self.estimates_in(&[ErrorMeasure::RelMse, ErrorMeasure::Display], parallel)
+    }
+
+    /// [`Film::estimates`] in these measures only.
+    fn estimates_in(&self, measures: &[ErrorMeasure], parallel: &mut impl Parallel) -> Result<Estimates> {
         // Usually all pixels have equally many samples. If the first pixels have too few for an estimate, the others are not
         // read.
         let has_none =
             |tile: &Tile| tile.pixels.first().is_none_or(|first| first.variance(self.options.share)[0].is_nan());
         if self.tiles.first().is_none_or(|tile| has_none(&lock(tile))) {
-            return None;
+            return Ok(Estimates::default());
         }
-        let mut terms = Terms::default();
-        if !self.for_each_error(measure, false, cancel, |_, _, error| terms.add(error)) {
-            return None;
-        }
-        match measure {
-            ErrorMeasure::RelMse => terms.mean(),
-            ErrorMeasure::Display => terms.mean().map(ErrorEstimate::root),
-        }
-    }
-
-    /// Calls `visit` with the index of each pixel in row order, its number of samples, and its squared error in `measure`, the
-    /// mean over channels. Returns `false` if it was cancelled before the end.
-    ///
-    /// `is_tame`: errors are always relative to the pixel's own mean, and never to its surroundings. Such errors are too small
-    /// where samples are rare and bright, so that these samples do not dominate. A pixel's error then depends on other pixels'
-    /// samples only by the mean of the whole image.
-    pub(crate) fn for_each_error(
-        &self,
-        measure: ErrorMeasure,
-        is_tame: bool,
-        cancel: &Cancel,
-        mut visit: impl FnMut(usize, u32, PixelError),
-    ) -> bool {
-        let (weighted, share) = (self.options.weighted, self.options.share);
-        let is_relative = measure == ErrorMeasure::RelMse;
-        let (mut means, mut unknown) = (Vec::new(), Vec::new());
-        if is_relative {
-            means.resize(self.pixel_count(), [0.0; 3]);
-            let is_whole = self.for_each_unless(cancel, |place, pixel, _| {
-                let mean = pixel.mean(weighted);
-                means[place] = mean;
-                if !is_tame {
-                    unknown.extend(UnknownMean::new(place, mean, pixel.variance(share)));
+        let [is_relative, is_displayed] =
+            [ErrorMeasure::RelMse, ErrorMeasure::Display].map(|measure| measures.contains(&measure));
+        let reference = if is_relative { Some(Reference::new(self, parallel)?) } else { None };
+        let (film, cancel) = (self.handle(), parallel.token());
+        let rows = parallel.map(self.tile_rows(), move |row| {
+            let [mut relative, mut displayed] = [Terms::default(); 2];
+            let is_whole = film.for_each_of_row(row, &cancel, |place, pixel, beside| {
+                let (own, squared) = (pixel.mean(film.options.weighted), film.squared_error(pixel, &beside));
+                if let Some(reference) = &reference {
+                    relative.add(reference.error(row, place, own, squared));
+                }
+                if is_displayed {
+                    let value = displayed_error(own, squared);
+                    displayed.add(PixelError { value, bound: value });
                 }
             });
-            if !is_whole {
-                return false;
-            }
+            is_whole.then_some([relative, displayed])
+        })?;
+        let [mut relative, mut displayed] = [Terms::default(); 2];
+        for row in rows {
+            let [of_row, displayed_of_row] = row.ok_or_else(cancelled)?;
+            relative.join(of_row);
+            displayed.join(displayed_of_row);
         }
-        let sum: f64 = means.iter().flatten().copied().map(f64::from).sum();
-        let mean = sum / (3 * self.pixel_count()).max(1) as f64;
-        let floor = 1e-2 * mean * mean;
-        let width = self.options.resolution[0] as usize;
-        let Some(rare) = compare_with_surroundings(&mut unknown, &means, width, floor, cancel) else { return false };
-        // Where paths find the light that walls scatter, stray paths are so many that the numbers tell nothing of reflections.
-        let repeats = if self.options.gathering { rare.repeats() as f32 } else { 0.0 };
-        drop(means);
-        self.for_each_unless(cancel, |place, pixel, beside| {
-            let biases = beside.gathering.and_then(PixelPhotonState::biases).unwrap_or_default();
-            let variances = pixel.variance(share);
-            let own = pixel.mean(weighted);
-            let squared: [f64; 3] =
-                std::array::from_fn(|channel| variances[channel] + biases[0][channel] * biases[1][channel]);
-            let error = if is_relative {
-                let relative_to = |mean: [f32; 3]| {
-                    mean_of_channels(|i| squared[i] / (f64::from(mean[i]) * f64::from(mean[i]) + floor))
-                };
-                let by_own = relative_to(own);
-                match unknown.binary_search_by_key(&place, |pixel| pixel.place as usize) {
-                    Err(_) => PixelError { value: by_own, bound: by_own },
-                    Ok(found) => {
-                        let UnknownMean { surroundings, weight, .. } = unknown[found];
-                        // The mean that the pixel is expected to have: brighter than its surroundings where a bright path that
-                        // one sample has met is more than chance.
-                        let expected =
-                            std::array::from_fn(|i| surroundings[i] + repeats * (own[i] - surroundings[i]).max(0.0));
-                        let [value, bound] = [expected, surroundings].map(|mean| {
-                            let by_others = relative_to(mean);
-                            // Products of noisy bias estimates may be negative. They have no geometric mean.
-                            if by_own > 0.0 && by_others > 0.0 {
-                                by_own * (by_others / by_own).powf(weight)
-                            } else {
-                                by_others
-                            }
-                        });
-                        PixelError { value, bound }
-                    }
-                }
-            } else {
-                let value = mean_of_channels(|i| display_error2(own[i], squared[i]));
-                PixelError { value, bound: value }
-            };
-            visit(place, pixel.count(), error);
-        })
+        // No terms have no mean.
+        Ok(Estimates { rel_mse: relative.mean(), display: displayed.mean().map(ErrorEstimate::root) })
     }
 
     /// Numbers of samples over the pixels; `None` if it was cancelled before the end.
@@ -230,10 +165,71 @@ impl Film {
     pub fn counts(&self) -> SampleCounts {
         self.counts_unless(&Cancel::new()).unwrap_or_default()
     }
+
+    /// Numbers of samples of the pixels, and their squared errors in a measure, both in row order. Relative errors are relative
+    /// to the pixels' own means, and never to their surroundings (see [`Reference::own_means`]).
+    ///
+    /// # Errors
+    /// As [`Film::estimates`].
+    pub(crate) fn own_errors(
+        &self,
+        measure: ErrorMeasure,
+        parallel: &mut impl Parallel,
+    ) -> Result<(Vec<u32>, Vec<f64>)> {
+        let reference = match measure {
+            ErrorMeasure::RelMse => Some(Reference::own_means(self, parallel)?),
+            ErrorMeasure::Display => None,
+        };
+        self.pixel_errors(reference, parallel)
+    }
+
+    /// Numbers of samples of the pixels, and their squared errors relative to `reference`, or as they are displayed.
+    fn pixel_errors(&self, reference: Option<Reference>, parallel: &mut impl Parallel) -> Result<(Vec<u32>, Vec<f64>)> {
+        let (film, cancel) = (self.handle(), parallel.token());
+        let rows = parallel.map(self.tile_rows(), move |row| {
+            let places = film.places_of_row(row);
+            let (mut counts, mut errors) = (with_room(places.len())?, with_room(places.len())?);
+            counts.resize(places.len(), 0);
+            errors.resize(places.len(), 0.0);
+            let is_whole = film.for_each_of_row(row, &cancel, |place, pixel, beside| {
+                let (own, squared) = (pixel.mean(film.options.weighted), film.squared_error(pixel, &beside));
+                counts[place - places.start] = pixel.count();
+                errors[place - places.start] = match &reference {
+                    Some(reference) => reference.error(row, place, own, squared).value,
+                    None => displayed_error(own, squared),
+                };
+            });
+            if is_whole { Ok((counts, errors)) } else { Err(cancelled()) }
+        })?;
+        let (mut counts, mut errors) = (with_room(self.pixel_count())?, with_room(self.pixel_count())?);
+        for row in rows {
+            let row: (Vec<u32>, Vec<f64>) = row?;
+            counts.extend(row.0);
+            errors.extend(row.1);
+        }
+        Ok((counts, errors))
+    }
+
+    /// Squared errors of a pixel's channels: the variance of its mean, and the square of its bias where photons have one.
+    fn squared_error(&self, pixel: &Pixel, beside: &PixelExtras) -> [f64; 3] {
+        let biases = beside.gathering.and_then(PixelPhotonState::biases).unwrap_or_default();
+        let variances = pixel.variance(self.options.share);
+        std::array::from_fn(|channel| variances[channel] + biases[0][channel] * biases[1][channel])
+    }
 }
 
-fn mean_of_channels(value: impl Fn(usize) -> f64) -> f64 {
-    (value(0) + value(1) + value(2)) / 3.0
+/// Estimates of a film's errors.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Estimates {
+    /// See [`Film::rel_mse`].
+    pub rel_mse: Option<ErrorEstimate>,
+    /// See [`Film::display_error`].
+    pub display: Option<ErrorEstimate>,
+}
+
+/// Squared error of a pixel as it is displayed, the mean over channels.
+fn displayed_error(own: [f32; 3], squared: [f64; 3]) -> f64 {
+    mean_of_channels(|i| display_error2(own[i], squared[i]))
 }
 
 /// Squared error of a displayed value in levels of 255, from the squared error of the radiance.
@@ -247,10 +243,11 @@ fn display_error2(mean: f32, squared: f64) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::unknown_mean::RarePixels;
+pub(super) mod tests {
     use super::*;
+    use crate::ErrorKind;
     use crate::film::{FilmOptions, REPLICATES, TILE};
+    use crate::sampling::Rng;
     use crate::spectrum::Rgb;
 
     /// A film of 2 x 2 pixels whose replicates are `mean + off` and `mean - off` in turn.
@@ -313,40 +310,50 @@ mod tests {
     }
 
     /// A film of 7 x 7 grey pixels of 1, but for some pixels whose replicates are these.
-    fn grey_but(others: &[([usize; 2], [f32; REPLICATES])]) -> Film {
+    pub fn grey_but(others: &[([usize; 2], [f32; REPLICATES])], gathering: bool) -> Film {
+        grey([7, 7], others, gathering)
+    }
+
+    /// The same of any size.
+    fn grey(resolution: [u32; 2], others: &[([usize; 2], [f32; REPLICATES])], gathering: bool) -> Film {
         let options = FilmOptions {
-            resolution: [7, 7],
+            resolution,
             placement: None,
             auxiliary: false,
             light_parts: false,
             share: 1,
             weighted: false,
-            gathering: false,
+            gathering,
         };
         let film = Film::new(options).unwrap();
-        let mut tile = film.tile(0);
-        for (y, x) in (0..7).flat_map(|y| (0..7).map(move |x| (y, x))) {
-            let replicates =
-                others.iter().find(|(at, _)| *at == [x, y]).map_or([1.0; REPLICATES], |(_, values)| *values);
-            for value in replicates {
-                tile.pixels[x + y * TILE as usize].add(Rgb::splat(value), 1.0, 1);
+        for number in 0..film.tile_count() {
+            let [left, top] = film.tile_origin(number).map(|length| length as usize);
+            let mut tile = film.tile(number);
+            for (index, pixel) in tile.pixels.iter_mut().enumerate() {
+                let place = [left + index % TILE as usize, top + index / TILE as usize];
+                let own = others.iter().find(|(at, _)| *at == place);
+                for value in own.map_or([1.0; REPLICATES], |(_, values)| *values) {
+                    pixel.add(Rgb::splat(value), 1.0, 1);
+                }
             }
         }
-        drop(tile);
         film
     }
 
     /// Replicates of which so many have met something of this brightness.
-    fn hits(count: usize, brightness: f32) -> [f32; REPLICATES] {
+    pub fn hits(count: usize, brightness: f32) -> [f32; REPLICATES] {
         std::array::from_fn(|replicate| if replicate < count { brightness } else { 1.0 })
+    }
+
+    /// Errors of the pixels, relative to their surroundings where these count.
+    fn errors(film: &Film) -> Vec<f64> {
+        let reference = Reference::new(film, &mut Alone::default()).unwrap();
+        film.pixel_errors(Some(reference), &mut Alone::default()).unwrap().1
     }
 
     /// What a pixel in the middle of the film is relative to, as a mean.
     fn level(film: &Film) -> f64 {
-        let (mut errors, mut means, mut variance) = (Vec::new(), 0.0, 0.0);
-        assert!(
-            film.for_each_error(ErrorMeasure::RelMse, false, &Cancel::new(), |_, _, error| errors.push(error.value))
-        );
+        let (errors, mut means, mut variance) = (errors(film), 0.0, 0.0);
         film.for_each(|place, pixel, _| {
             means += f64::from(pixel.mean(false)[0]) / 49.0;
             variance = if place == 24 { pixel.variance(1)[0] } else { variance };
@@ -360,19 +367,19 @@ mod tests {
         let mean = |film: &Film| f64::from(film.develop().pixel(3, 3)[0]);
         // A single bright sample says only that bright samples are rare, however bright it is.
         for brightness in [8.0, 100.0, 1e4, 1e6] {
-            let level = level(&grey_but(&[([3, 3], hits(1, brightness))]));
+            let level = level(&grey_but(&[([3, 3], hits(1, brightness))], false));
             assert!((level - 1.0).abs() < 0.01, "{brightness}: {level}");
         }
         // A reflection that two of eight replicates have met counts as light of its pixel. A sample that is a little brighter
         // than its surroundings may be chance.
         for (count, brightness) in [(2, 1e4), (3, 1e4)] {
-            let film = grey_but(&[([3, 3], hits(count, brightness))]);
+            let film = grey_but(&[([3, 3], hits(count, brightness))], false);
             let (level, own) = (level(&film), mean(&film));
             assert!((level / own - 1.0).abs() < 0.01, "{count} of {brightness}: {level}, {own}");
         }
         let mut dark = [0.0; REPLICATES];
         dark[..2].fill(10.0);
-        let level = level(&grey_but(&[([3, 3], dark)]));
+        let level = level(&grey_but(&[([3, 3], dark)], false));
         assert!((level - 1.0).abs() < 0.01, "{level}");
     }
 
@@ -382,7 +389,7 @@ mod tests {
         // Two hits, ever brighter: a known mean, one in doubt, and one that is believed.
         for step in 0..400 {
             let brightness = 2.0 * 1.02_f32.powi(step);
-            let film = grey_but(&[([3, 3], hits(2, brightness))]);
+            let film = grey_but(&[([3, 3], hits(2, brightness))], false);
             let level = level(&film) / f64::from(film.develop().pixel(3, 3)[0]);
             let change = former.replace(level).map_or(1.0, |former: f64| level / former);
             assert!((0.8..1.25).contains(&change), "{change} at {brightness}");
@@ -391,7 +398,7 @@ mod tests {
 
     #[test]
     fn the_edge_of_a_reflection_is_compared_with_the_reflection() {
-        let film = grey_but(&[([3, 3], hits(1, 801.0)), ([4, 3], [5000.0; 8]), ([4, 4], [5000.0; 8])]);
+        let film = grey_but(&[([3, 3], hits(1, 801.0)), ([4, 3], [5000.0; 8]), ([4, 4], [5000.0; 8])], false);
         // Its own mean is 101: two of its 24 neighbours count as much.
         let expected = (22.0 + 2.0 * 101.0) / 24.0;
         assert!((level(&film) / expected - 1.0).abs() < 0.01, "{}", level(&film));
@@ -399,17 +406,37 @@ mod tests {
 
     #[test]
     fn stray_bright_samples_elsewhere_are_light_that_surroundings_have_not_met() {
-        let film = grey_but(&[([3, 3], hits(1, 801.0)), ([0, 0], hits(1, 801.0)), ([6, 6], hits(1, 801.0))]);
+        let film = grey_but(&[([3, 3], hits(1, 801.0)), ([0, 0], hits(1, 801.0)), ([6, 6], hits(1, 801.0))], false);
         // Two others of 100 more than their surroundings, over 48 pixels.
         let expected = 1.0 + 200.0 / 48.0;
-        let (mut variance, mut errors) = (0.0, Vec::new());
+        let (mut variance, errors) = (0.0, errors(&film));
         film.for_each(|place, pixel, _| variance = if place == 24 { pixel.variance(1)[0] } else { variance });
-        assert!(
-            film.for_each_error(ErrorMeasure::RelMse, false, &Cancel::new(), |_, _, error| errors.push(error.value))
-        );
         let floor = 1e-2 * (349.0_f64 / 49.0).powi(2);
         let level = (variance / errors[24] - floor).sqrt();
         assert!((level / expected - 1.0).abs() < 0.01, "{level}, {expected}");
+    }
+
+    /// Surroundings reach across rows of tiles, and stray paths count from all of them.
+    #[test]
+    fn rows_of_tiles_are_one_image() {
+        let [width, height] = [20, 40];
+        let pixels = (width * height) as f64;
+        for y in [15, 16] {
+            let others = [([3, y], hits(1, 801.0)), ([18, 2], hits(1, 801.0)), ([10, 39], hits(1, 801.0))];
+            let lamps = [([4, y - 1], [5000.0; 8]), ([4, y + 1], [5000.0; 8])];
+            let film = grey([width as u32, height as u32], &[&others[..], &lamps[..]].concat(), false);
+            let mean = (pixels + 3.0 * 100.0 + 2.0 * 4999.0) / pixels;
+            let floor = 1e-2 * mean * mean;
+            let lift = |level: f64| level.hypot(floor.sqrt());
+            // Two of the 24 neighbours count as much as the pixel, whose mean is 101.
+            let around = (22.0 + 2.0 * 101.0) / 24.0;
+            let expected = around + lift(around) * 200.0 / lift(1.0) / (pixels - 1.0);
+            let place = y * width + 3;
+            let mut variance = 0.0;
+            film.for_each(|at, pixel, _| variance = if at == place { pixel.variance(1)[0] } else { variance });
+            let level = (variance / errors(&film)[place] - floor).sqrt();
+            assert!((level / expected - 1.0).abs() < 1e-3, "row {y}: {level}, {expected}");
+        }
     }
 
     #[test]
@@ -423,15 +450,12 @@ mod tests {
             let hit = std::array::from_fn(|replicate| brightness * if replicate == 0 { 801.0 } else { 1.0 });
             others.iter_mut().find(|(place, _)| *place == at).unwrap().1 = hit;
         }
-        let film = grey_but(&others);
-        let (mut means, mut variances, mut errors) = (Vec::new(), Vec::new(), Vec::new());
+        let film = grey_but(&others, false);
+        let (mut means, mut variances, errors) = (Vec::new(), Vec::new(), errors(&film));
         film.for_each(|_, pixel, _| {
             means.push(f64::from(pixel.mean(false)[0]));
             variances.push(pixel.variance(1)[0]);
         });
-        assert!(
-            film.for_each_error(ErrorMeasure::RelMse, false, &Cancel::new(), |_, _, error| errors.push(error.value))
-        );
         let mean = means.iter().sum::<f64>() / 49.0;
         let floor = 1e-2 * mean * mean;
         // Each side is 101 times as bright as its surroundings, and the other pixel's share is 100 or less by the floor.
@@ -444,38 +468,8 @@ mod tests {
     }
 
     #[test]
-    fn what_photon_films_meet_once_may_be_met_again() {
-        // In this order: there is no rare pixel, there is a single one, both kinds are equally many, and there are only stray
-        // paths.
-        let repeats = |once, often| RarePixels { once, often }.repeats();
-        assert_eq!(
-            (repeats(0.0, 0.0), repeats(1.0, 0.0), repeats(5.0, 4.0), repeats(100.0, 0.0)),
-            (1.0, 1.0, 1.0, 0.01)
-        );
-        let of = |film: &Film, gathering: bool| {
-            let (mut means, mut unknown) = (Vec::new(), Vec::new());
-            film.for_each(|place, pixel, _| {
-                means.push(pixel.mean(false));
-                unknown.extend(UnknownMean::new(place, pixel.mean(false), pixel.variance(1)));
-            });
-            let rare = compare_with_surroundings(&mut unknown, &means, 7, 1e-2, &Cancel::new()).unwrap();
-            let UnknownMean { place, surroundings: [around, ..], weight } = unknown[0];
-            let repeats = if gathering { rare.repeats() as f32 } else { 0.0 };
-            (around, around + repeats * (means[place as usize][0] - around), weight)
-        };
-        let one = grey_but(&[([3, 3], hits(1, 801.0))]);
-        assert_eq!(of(&one, false), (1.0, 1.0, 1.0));
-        assert_eq!(of(&one, true), (1.0, 101.0, 1.0));
-        // Four that one sample has met and one that two have: half.
-        let at = [[0, 0], [6, 0], [0, 6], [6, 6]].map(|at| (at, hits(1, 801.0)));
-        let more = grey_but(&[&at[..], &[([3, 3], hits(2, 801.0))]].concat());
-        let (around, expected, _) = of(&more, true);
-        assert!(((expected - around) / (101.0 - around) - 0.5).abs() < 0.01, "{around}, {expected}");
-    }
-
-    #[test]
     fn standard_errors_count_what_one_sample_has_met_as_stray() {
-        let mut film = grey_but(&[([3, 3], hits(1, 801.0))]);
+        let mut film = grey_but(&[([3, 3], hits(1, 801.0))], false);
         let by_paths = film.rel_mse().unwrap();
         film.options.gathering = true;
         let by_photons = film.rel_mse().unwrap();
@@ -486,15 +480,9 @@ mod tests {
 
     #[test]
     fn goals_of_adaptive_samples_know_no_surroundings() {
-        let tame = |film: &Film| {
-            let mut errors = Vec::new();
-            assert!(
-                film.for_each_error(ErrorMeasure::RelMse, true, &Cancel::new(), |_, _, error| errors.push(error.value))
-            );
-            errors
-        };
+        let tame = |film: &Film| film.own_errors(ErrorMeasure::RelMse, &mut Alone::default()).unwrap().1;
         // The whole image's mean is the same.
-        let [a, b] = [[3, 4], [6, 0]].map(|at| tame(&grey_but(&[([3, 3], hits(1, 801.0)), (at, [9.0; 8])])));
+        let [a, b] = [[3, 4], [6, 0]].map(|at| tame(&grey_but(&[([3, 3], hits(1, 801.0)), (at, [9.0; 8])], false)));
         assert_eq!(a[24], b[24]);
     }
 
@@ -519,5 +507,65 @@ mod tests {
         assert_eq!(display_error2(3.0, 1.0), 0.0);
         assert!((display_error2(0.0, 1e-6).sqrt() / (255.0 * 12.92 * 0.5e-3) - 1.0).abs() < 1e-3);
         assert!(display_error2(0.5, f64::NAN).is_nan());
+    }
+
+    /// Does the pieces of some work in the other order.
+    struct Backwards;
+
+    impl Parallel for Backwards {
+        fn check(&mut self) -> Result<()> {
+            Ok(())
+        }
+
+        fn map<R, F>(&mut self, count: usize, piece: F) -> Result<Vec<R>>
+        where
+            R: Send + 'static,
+            F: Fn(usize) -> R + Send + Sync + 'static,
+        {
+            let mut results: Vec<R> = (0..count).rev().map(piece).collect();
+            results.reverse();
+            Ok(results)
+        }
+    }
+
+    #[test]
+    fn the_order_of_the_work_changes_no_estimate() {
+        let options = FilmOptions {
+            resolution: [50, 70],
+            placement: None,
+            auxiliary: false,
+            light_parts: false,
+            share: 1,
+            weighted: false,
+            gathering: false,
+        };
+        let film = Film::new(options).unwrap();
+        let mut rng = Rng::new(3, 1);
+        for number in 0..film.tile_count() {
+            let mut tile = film.tile(number);
+            for pixel in &mut tile.pixels {
+                for _ in 0..8 + rng.next_u64() % 3 {
+                    // One sample of fifty has met something bright.
+                    let scale = if rng.next_f32() < 0.02 { 1000.0 } else { 1.0 };
+                    pixel.add(Rgb::splat(scale * rng.next_f32()), 1.0, 1);
+                }
+            }
+        }
+        let alone = film.estimates(&mut Alone::default()).unwrap();
+        assert_eq!([alone.rel_mse, alone.display], [film.rel_mse(), film.display_error()]);
+        let counts = film.own_errors(ErrorMeasure::Display, &mut Alone::default()).unwrap().0;
+        film.for_each(|place, pixel, _| assert_eq!(counts[place], pixel.count()));
+        let SampleCounts { min, mean, max } = film.counts();
+        assert_eq!([min, max], [8, 10]);
+        assert_eq!(mean, counts.iter().map(|count| f64::from(*count)).sum::<f64>() / (50.0 * 70.0));
+        let found = film.estimates(&mut Backwards).unwrap();
+        assert_eq!([found.rel_mse, found.display], [alone.rel_mse, alone.display]);
+        // Every pixel is counted once.
+        let mean = errors(&film).iter().sum::<f64>() / (50.0 * 70.0);
+        let found = alone.rel_mse.unwrap().value;
+        assert!((found / mean - 1.0).abs() < 1e-12, "{found}, {mean}");
+        let cancel = Cancel::new();
+        cancel.cancel();
+        assert_eq!(film.estimates(&mut Alone(cancel)).unwrap_err().kind(), ErrorKind::Cancelled);
     }
 }

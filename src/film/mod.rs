@@ -9,17 +9,19 @@
 mod error;
 mod photon_state;
 mod pixel;
+mod reference;
+mod sums;
 mod tile_bytes;
-mod unknown_mean;
 
-pub(crate) use error::FEW_PIXELS;
 pub use error::{ErrorEstimate, ErrorMeasure, SampleCounts};
+pub(crate) use error::{Estimates, FEW_PIXELS};
 pub use photon_state::{PixelPhotonState, ShrinkingRadius};
 pub use pixel::{Auxiliary, LightSums, Pixel, REPLICATES};
 
 pub use crate::image::{Image, Layer, Placement};
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::ops::Range;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use crate::Cancel;
 use crate::desc::MAX_PIXELS;
@@ -58,7 +60,8 @@ pub struct FilmOptions {
 #[derive(Debug)]
 pub struct Film {
     options: FilmOptions,
-    tiles: Box<[Mutex<Tile>]>,
+    /// Shared with threads that read the film, whose work may end later than the borrow of the film that began it.
+    tiles: Arc<Box<[Mutex<Tile>]>>,
 }
 
 /// How much of a film [`Film::read_into`] has developed: for each tile, how often it had changed.
@@ -220,7 +223,7 @@ impl Film {
         tiles.resize_with(count, Mutex::default);
         // The memory of all tiles is reserved once and released, so that a film that cannot fit is refused now.
         check_room(count * PIXELS_PER_TILE * options.bytes_in_memory())?;
-        Ok(Self { options, tiles: tiles.into() })
+        Ok(Self { options, tiles: Arc::new(tiles.into()) })
     }
 
     /// A film with the same samples.
@@ -229,12 +232,17 @@ impl Film {
     /// [`ErrorKind::OutOfMemory`].
     pub(crate) fn copy_of(film: &Self) -> Result<Self> {
         let copy = Self::new(film.options)?;
-        for (from, to) in film.tiles.iter().zip(&copy.tiles) {
+        for (from, to) in film.tiles.iter().zip(copy.tiles.iter()) {
             let Tile { pixels, auxiliary, light_sums, gathering, changes } = &*lock(from);
             let (pixels, auxiliary, light_sums) = (copied(pixels)?, copied(auxiliary)?, copied(light_sums)?);
             *lock(to) = Tile { pixels, auxiliary, light_sums, gathering: copied(gathering)?, changes: *changes };
         }
         Ok(copy)
+    }
+
+    /// The same film, not a copy: samples that are added to one are added to the other.
+    fn handle(&self) -> Self {
+        Self { options: self.options, tiles: Arc::clone(&self.tiles) }
     }
 
     /// Options of the film.
@@ -297,17 +305,46 @@ impl Film {
     fn for_each_where(
         &self,
         cancel: &Cancel,
+        wants: impl FnMut(usize, &Tile) -> bool,
+        visit: impl FnMut(usize, &Pixel, PixelExtras),
+    ) -> bool {
+        self.for_each_of(0..self.tiles.len(), cancel, wants, visit)
+    }
+
+    /// Number of rows of tiles.
+    fn tile_rows(&self) -> usize {
+        self.options.resolution[1].div_ceil(TILE) as usize
+    }
+
+    /// [`Film::for_each_unless`] for the pixels of a row of tiles. Those of all rows of tiles are consecutive in row order.
+    fn for_each_of_row(&self, row: usize, cancel: &Cancel, visit: impl FnMut(usize, &Pixel, PixelExtras)) -> bool {
+        let across = self.options.resolution[0].div_ceil(TILE) as usize;
+        self.for_each_of(row * across..(row + 1) * across, cancel, |_, _| true, visit)
+    }
+
+    /// Indices in row order of the pixels of a row of tiles.
+    fn places_of_row(&self, row: usize) -> Range<usize> {
+        let [width, height] = self.options.resolution.map(|length| length as usize);
+        let [from, to] = [row, row + 1].map(|row| (row * TILE as usize).min(height) * width);
+        from..to
+    }
+
+    /// [`Film::for_each_where`] for these tiles.
+    fn for_each_of(
+        &self,
+        tiles: Range<usize>,
+        cancel: &Cancel,
         mut wants: impl FnMut(usize, &Tile) -> bool,
         mut visit: impl FnMut(usize, &Pixel, PixelExtras),
     ) -> bool {
         let [width, height] = self.options.resolution;
         let unsampled = Pixel::default();
-        for (number, tile) in self.tiles.iter().enumerate() {
+        for number in tiles {
             if cancel.is_cancelled() {
                 return false;
             }
             let [left, top] = self.tile_origin(number);
-            let tile = lock(tile);
+            let tile = lock(&self.tiles[number]);
             if !wants(number, &tile) {
                 continue;
             }

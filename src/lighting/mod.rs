@@ -126,7 +126,10 @@ impl Calculation {
     }
 
     /// The same as [`Calculation::measured`], with an error where there is no memory for the results.
-    pub(crate) fn try_measured(&self) -> Result<Measured> {
+    ///
+    /// # Errors
+    /// [`ErrorKind::OutOfMemory`](crate::ErrorKind::OutOfMemory).
+    pub fn try_measured(&self) -> Result<Measured> {
         check_room(self.count.saturating_mul(BYTES_A_POINT))?;
         Ok(self.measured())
     }

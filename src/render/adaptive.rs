@@ -15,7 +15,10 @@
 //! which a pixel again has the weight of one pixel among all. This choice matters only where few pixels have most of the
 //! error, and in that case the render continues (see `schedule`).
 
+use super::worker_pool::stopped;
 use crate::Cancel;
+use crate::control::Parallel;
+use crate::error::Result;
 use crate::film::{ErrorMeasure, Film, REPLICATES};
 use crate::sampling::hash;
 
@@ -48,30 +51,29 @@ pub(super) struct Stage {
 
 impl Stage {
     /// Makes the stage in which the mean number of samples over pixels rises from `begin`, the film's current number, to
-    /// `end`. Returns `None` if the render was cancelled. The result depends on the film and the arguments only.
+    /// `end`. The result depends on the film and the arguments only.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Cancelled`](crate::ErrorKind::Cancelled) if the render was cancelled, and other errors of `parallel`.
     pub(super) fn new(
         film: &Film,
         measure: ErrorMeasure,
         [begin, end]: [u32; 2],
         seed: u64,
-        cancel: &Cancel,
-    ) -> Option<Self> {
-        let [width, height] = film.options().resolution.map(|n| n as usize);
-        let mut from = vec![0; width * height];
+        parallel: &mut impl Parallel,
+    ) -> Result<Self> {
+        let (from, mut deviations) = film.own_errors(measure, parallel)?;
         // Square roots of the variances of one sample.
-        let mut deviations = vec![0.0; width * height];
-        let is_whole = film.for_each_error(measure, true, cancel, |place, count, error| {
-            from[place] = count;
-            let variance = error.value * f64::from(count);
-            deviations[place] = if variance > 0.0 && variance.is_finite() { variance.sqrt() } else { 0.0 };
-        });
-        if !is_whole {
-            return None;
+        for (error, &count) in deviations.iter_mut().zip(&from) {
+            let variance = *error * f64::from(count);
+            *error = if variance > 0.0 && variance.is_finite() { variance.sqrt() } else { 0.0 };
         }
-        let weights = weights(&deviations, [width, height], cancel)?;
+        let cancel = &parallel.token();
+        let weights = weights(&deviations, film.options().resolution.map(|n| n as usize), cancel);
+        let weights = weights.ok_or_else(stopped)?;
         let unit = film.options().share.saturating_mul(REPLICATES as u32);
-        let to = goals(&from, &weights, unit, end, hash(seed, u64::from(begin)), cancel)?;
-        Some(Self { from, to, begin, end })
+        let to = goals(&from, &weights, unit, end, hash(seed, u64::from(begin)), cancel);
+        Ok(Self { from, to: to.ok_or_else(stopped)?, begin, end })
     }
 
     /// A stage from `begin` to `end` without pixels, for a stage that is read.

@@ -41,10 +41,10 @@ use std::time::{Duration, Instant};
 
 use crate::Cancel;
 use crate::camera::{Camera, MovingCamera};
-use crate::control::PROGRESS_INTERVAL;
+use crate::control::{Alone, PROGRESS_INTERVAL};
 use crate::desc::{Bias, FilterDesc, IntegratorDesc, Preparation, RenderDesc, SamplerDesc};
 use crate::error::{Error, ErrorKind, Result};
-use crate::film::{ErrorEstimate, ErrorMeasure, Film, FilmOptions, Image, Placement, REPLICATES};
+use crate::film::{ErrorEstimate, Estimates, Film, FilmOptions, Image, Placement, REPLICATES};
 use crate::integrator::Path;
 use crate::integrator::light_tracing::{LightPaths, LightPictures};
 use crate::integrator::photon::{Choice, Plan, choose};
@@ -338,7 +338,7 @@ impl Render {
         }
         let mut keeper = self.settings.checkpoint.clone().map(Keeper::new);
         let ended = loop {
-            let error = self.error_to_compare(&schedule);
+            let error = self.error_to_compare(&schedule)?;
             if let Some(ended) = schedule.ended(self.samples, start.elapsed(), error) {
                 break ended;
             }
@@ -347,7 +347,7 @@ impl Render {
             if self.settings.cancel.is_cancelled() {
                 break Ended::Cancelled;
             }
-            if self.samples >= self.decision && !self.decide(&mut schedule, error) {
+            if self.samples >= self.decision && !self.decide(&mut schedule, error)? {
                 break Ended::Cancelled;
             }
             let mut count = schedule.next_pass(self.samples, start.elapsed(), self.decision);
@@ -384,7 +384,7 @@ impl Render {
             let done = f64::from(self.samples);
             let report = schedule.progress(self.samples, done, self.rays, start.elapsed(), Some(&image));
             if progress(&report).is_break() {
-                let error = self.error_to_compare(&schedule);
+                let error = self.error_to_compare(&schedule)?;
                 break schedule.ended(self.samples, start.elapsed(), error).unwrap_or(Ended::Cancelled);
             }
         };
@@ -408,30 +408,42 @@ impl Render {
     }
 
     /// The current error estimate, where there is a target error and a decision is due.
-    fn error_to_compare(&self, schedule: &Schedule) -> Option<ErrorEstimate> {
-        let measure = schedule.measure_to_estimate(self.samples).filter(|_| self.samples >= self.decision)?;
-        let error = self.film.error_unless(measure, &self.settings.cancel);
-        if error.is_none() && self.scene.emitters().is_dark() {
-            // A scene without light is black without error.
-            return Some(ErrorEstimate { value: 0.0, standard_error: 0.0 });
-        }
-        error
+    fn error_to_compare(&self, schedule: &Schedule) -> Result<Option<ErrorEstimate>> {
+        let measure = schedule.measure_to_estimate(self.samples).filter(|_| self.samples >= self.decision);
+        let Some(measure) = measure else { return Ok(None) };
+        let estimate = |parallel: &mut WorkerPool| self.film.error_on(measure, parallel);
+        let error = unless_cancelled(self.workers.without_limit(&self.settings.cancel, estimate))?.flatten();
+        // A scene without light is black without error.
+        let is_black = error.is_none() && self.scene.emitters().is_dark();
+        Ok(if is_black { Some(ErrorEstimate { value: 0.0, standard_error: 0.0 }) } else { error })
     }
 
     /// Decides the number of samples until the next decision, and the goals of the pixels. Returns `false`, and decides
     /// nothing, if the render was cancelled meanwhile.
-    fn decide(&mut self, schedule: &mut Schedule, error: Option<ErrorEstimate>) -> bool {
+    fn decide(&mut self, schedule: &mut Schedule, error: Option<ErrorEstimate>) -> Result<bool> {
         let next = schedule.next_decision(self.samples, error);
         if self.adaptive == Ok(true) && self.samples >= PILOT {
             let (measure, seed) = (self.settings.error_measure, self.desc.seed);
-            self.stage =
-                Stage::new(&self.film, measure, [self.samples, next], seed, &self.settings.cancel).map(Arc::new);
-            if self.stage.is_none() {
-                return false;
-            }
+            let span = [self.samples, next];
+            let stage = |parallel: &mut WorkerPool| Stage::new(&self.film, measure, span, seed, parallel);
+            let stage = unless_cancelled(self.workers.without_limit(&self.settings.cancel, stage))?;
+            let Some(stage) = stage else { return Ok(false) };
+            self.stage = Some(Arc::new(stage));
         }
         self.decision = next;
-        true
+        Ok(true)
+    }
+
+    /// Estimates of the film's errors at the end of a render, where there are any.
+    fn estimates(&self) -> Estimates {
+        let cancel = &self.settings.cancel;
+        // A render that was resumed in another process, and has all its samples already, is without threads.
+        let found = match self.workers.are_there() {
+            true => self.workers.without_limit(cancel, |parallel| self.film.estimates(parallel)),
+            false => self.film.estimates(&mut Alone(cancel.clone())),
+        };
+        // The picture is not lost with its error.
+        found.unwrap_or_default()
     }
 
     /// Sets the token that stops the next [`Render::run`]. A render that was cancelled continues only with a new token.
@@ -721,8 +733,7 @@ impl Render {
                 self.non_finite_samples.first().map(|first| format!("; the first: {first}")).unwrap_or_default();
             notes.push(format!("{non_finite} samples were NaN or infinite and count as black{first}"));
         }
-        let cancel = &self.settings.cancel;
-        let rel_mse = self.film.error_unless(ErrorMeasure::RelMse, cancel);
+        let Estimates { rel_mse, display } = self.estimates();
         let pixels = self.film.options().resolution.map(u64::from).into_iter().product::<u64>();
         if pixels >= MIN_PIXELS_FOR_TAIL_NOTE && rel_mse.is_some_and(|error| error.is_heavy_tailed()) {
             notes.push(
@@ -733,7 +744,7 @@ impl Render {
         Summary {
             elapsed,
             samples: self.samples,
-            sample_counts: self.film.counts_unless(cancel),
+            sample_counts: self.film.counts_unless(&self.settings.cancel),
             integrator: match self.integrator() {
                 IntegratorDesc::Radiosity => IntegratorDesc::Radiosity,
                 _ if self.method.is_of_places() => IntegratorDesc::Path,
@@ -745,7 +756,7 @@ impl Render {
             first_shadow_rays: self.first_shadow_rays,
             rays: self.rays,
             rel_mse,
-            display_error: self.film.error_unless(ErrorMeasure::Display, cancel),
+            display_error: display,
             ended,
             stopped: ended == Ended::Cancelled,
             non_finite,
@@ -753,6 +764,14 @@ impl Render {
             notes,
             checkpoint_failure: None,
         }
+    }
+}
+
+/// What work gave, or `None` where it was cancelled.
+fn unless_cancelled<R>(done: Result<R>) -> Result<Option<R>> {
+    match done {
+        Err(error) if error.kind() == ErrorKind::Cancelled => Ok(None),
+        done => done.map(Some),
     }
 }
 

@@ -61,8 +61,8 @@ pub struct Summary {
     pub first_shadow_rays: u32,
     /// Number of rays traced, including shadow rays.
     pub rays: u64,
-    /// Estimated relMSE (see [`Film::rel_mse`](crate::film::Film::rel_mse)). It is `None` where there are too few samples for
-    /// an estimate, and after the render's [`Cancel`](crate::Cancel) was used.
+    /// Estimated relMSE (see [`Film::rel_mse`](crate::film::Film::rel_mse)). It is `None` where there are too few samples or too
+    /// little memory for an estimate, and after the render's [`Cancel`](crate::Cancel) was used.
     pub rel_mse: Option<ErrorEstimate>,
     /// Estimated error of displayed values (see [`Film::display_error`](crate::film::Film::display_error)), under the same
     /// conditions.

@@ -41,7 +41,12 @@ impl Workers {
         R: Send + 'static,
         F: Fn(usize) -> R + Send + Sync + 'static,
     {
-        WorkerPool::new(self, &Cancel::new(), None, &mut |_| false).map_on(most, count, piece)
+        self.without_limit(&Cancel::new(), |pool| pool.map_on(most, count, piece))
+    }
+
+    /// Does work that no time limit ends and that reports no progress. `cancel` stops it.
+    pub(crate) fn without_limit<R>(&self, cancel: &Cancel, work: impl FnOnce(&mut WorkerPool) -> R) -> R {
+        work(&mut WorkerPool::new(self, cancel, None, &mut |_| false))
     }
 }
 
@@ -146,7 +151,8 @@ impl WorkerPool<'_> {
     }
 }
 
-fn stopped() -> Error {
+/// The error of work that was stopped.
+pub(super) fn stopped() -> Error {
     Error::new(ErrorKind::Cancelled, "stopped")
 }
 

@@ -100,8 +100,9 @@ impl Workers {
 
     /// Threads of the host: `submit` receives jobs, each to be run once, on any thread and at any time.
     ///
-    /// The thread that renders works too and submits up to `threads - 1` helper jobs for each pass. A job that is run late
-    /// returns at once, and the render does not wait for jobs that never run.
+    /// The thread that renders works too and submits up to `threads - 1` helper jobs for each pass, and for other work that
+    /// threads share, such as the estimate of errors at the end. A job that is run late returns at once, and the render does
+    /// not wait for jobs that never run.
     pub fn host(threads: usize, submit: impl Fn(Box<dyn FnOnce() + Send + 'static>) + Send + Sync + 'static) -> Self {
         Self(Arc::new(WorkerKind::Host { threads: threads.clamp(1, MAX_THREADS), submit: Box::new(submit) }))
     }

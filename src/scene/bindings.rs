@@ -1,10 +1,13 @@
 //! Bindings of a scene: which surface and material own each primitive, and which primitives emit. All of this can
 //! change while the geometry stays the same.
 
+mod kept;
+
+pub(super) use kept::{Kept, KeptOwners, rebind_materials};
+
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
-use super::Scene;
 use super::analytic::AnalyticList;
 use super::cost;
 use super::emission_webs::{EmissionWeb, emission_webs};
@@ -12,13 +15,12 @@ use super::geometry::Geometry;
 use super::interaction;
 use super::interaction::{NO_EMITTER, Owner, Owners, Triangles};
 use super::moving_shape::MovingShape;
-use super::record::{AppearanceKey, GeometryRecord};
+use super::record::GeometryRecord;
 use super::sky::environment_map;
 use super::textured_emission::{EmissionTexture, MOST_PIECES, emission_textures};
 use crate::control::WorkProgress;
 use crate::desc::{
     EnvironmentDesc, LightDistribution, LightSpectrum, PointLightDesc, PortalDesc, SceneDesc, SkyDesc, SpectrumDesc,
-    Surfaces,
 };
 use crate::emitter::{
     DirectedPoint, DiskEmitter, DistantEmitter, Distribution, Emitter, EmitterSet, EnvironmentEmitter, EnvironmentMap,
@@ -34,9 +36,6 @@ use crate::spectrum::Rgb;
 
 /// Room between the surfaces and the ball from which the light of an environment comes, relative to the ball's radius.
 const BALL_MARGIN: f64 = 1e-3;
-
-/// Number of lamps that are made between two checks for a cancel.
-const LAMPS_PER_CHECK: usize = 1024;
 
 /// The tables of owners, in the order of the geometries, and the emitters that the owners refer to.
 #[derive(Clone)]
@@ -64,51 +63,6 @@ pub(super) fn triangles_cost(count: usize) -> f64 {
     cost::EMITTER * count as f64
 }
 
-/// What the scene before has that the bindings of an edited description can keep.
-#[derive(Default)]
-pub(super) struct Kept<'a> {
-    /// The light of the environment.
-    pub environment: Option<Arc<EnvironmentMap>>,
-    /// The owners of single surfaces.
-    pub owners: Option<KeptOwners<'a>>,
-}
-
-/// The owners in the scene before.
-#[derive(Clone, Copy)]
-pub(super) struct KeptOwners<'a> {
-    geometries: &'a [Geometry],
-    owners: &'a [Owners],
-    /// The blocks of surfaces with other materials, where there are any; see [`AppearanceKey::reclad`].
-    reclad: Option<&'a [bool]>,
-}
-
-impl<'a> KeptOwners<'a> {
-    pub(super) fn new(scene: &'a Scene, reclad: Option<&'a [bool]>) -> Self {
-        Self { geometries: &scene.geometries, owners: &scene.bindings.owners, reclad }
-    }
-
-    /// Those of a geometry that the scene before has too, if it is one of single surfaces that rest.
-    fn of(&self, geometry: &Geometry) -> Option<&'a Arc<[Owner]>> {
-        // Lamps that move are made by their steps, and not all surfaces may be such lamps.
-        match geometry {
-            Geometry::Loose { triangles, .. } if !triangles.mesh.is_deforming() => {}
-            Geometry::Analytic { shapes, .. } if shapes.moving.is_empty() => {}
-            _ => return None,
-        }
-        let is_same = |old: &Geometry| match (old, geometry) {
-            (Geometry::Loose { parts: old, .. }, Geometry::Loose { parts, .. }) => Arc::ptr_eq(old, parts),
-            (Geometry::Analytic { surfaces: old, .. }, Geometry::Analytic { surfaces, .. }) => {
-                Arc::ptr_eq(old, surfaces)
-            }
-            _ => false,
-        };
-        match &self.owners[self.geometries.iter().position(is_same)?] {
-            Owners::Each(each) => Some(each),
-            Owners::One(_) => None,
-        }
-    }
-}
-
 /// Builds the tables of owners and the emitters of a scene from its description. Textures of lamps are prepared by at most
 /// `threads` threads.
 pub(super) fn bindings(
@@ -132,8 +86,12 @@ pub(super) fn bindings(
         spectra: EmissionSpectra::default(),
     };
     dresser.point_lights(unbound.centre)?;
+    let mut lamps = None;
     let mut geometry = |geometry| match kept.owners.and_then(|kept| Some((kept.of(geometry)?, kept.reclad))) {
-        Some((owners, reclad)) => dresser.edited(geometry, owners, reclad),
+        Some((owners, reclad)) => {
+            let lamps = lamps.get_or_insert_with(|| dresser.lamps());
+            dresser.edited(geometry, owners, lamps, reclad)
+        }
         None => dresser.geometry(geometry),
     };
     let owners = unbound.geometries.iter().map(&mut geometry).collect::<Result<_>>()?;
@@ -144,26 +102,6 @@ pub(super) fn bindings(
     let emitters = EmitterSet::cancellable(dresser.emitters, &progress.cancel)?.with_backs(&pairs);
     let emitters = emitters.with_spectra(&dresser.spectra.pairs, spectra);
     Ok(SurfaceBindings { owners, list_owners: list_owners.into(), emitters: Arc::new(emitters) })
-}
-
-/// Returns the bindings with the same emitters and the materials of `appearance`, which are others in these blocks of surfaces.
-pub(super) fn rebind_materials(old: &SurfaceBindings, appearance: &AppearanceKey, reclad: &[bool]) -> SurfaceBindings {
-    let owner = |owner: &Owner| match reclad[Surfaces::place_of(owner.surface as usize)] {
-        true => Owner { material: appearance.material(owner.surface), ..*owner },
-        false => *owner,
-    };
-    let owners = old.owners.iter().map(|owners| match owners {
-        Owners::One(one) => Owners::One(owner(one)),
-        Owners::Each(each) if each.iter().any(|it| owner(it).material != it.material) => {
-            Owners::Each(each.iter().map(owner).collect())
-        }
-        Owners::Each(each) => Owners::Each(Arc::clone(each)),
-    });
-    SurfaceBindings {
-        owners: owners.collect(),
-        list_owners: old.list_owners.iter().map(owner).collect(),
-        emitters: Arc::clone(&old.emitters),
-    }
 }
 
 /// The emitter of a point light that is at `position` in the scene frame.
@@ -421,46 +359,6 @@ impl BindingBuilder<'_, '_> {
                 Ok(Owners::Each(shared(owners)?))
             }
         }
-    }
-
-    /// The owners of single surfaces that had these owners before. Only the lamps among them, and the surfaces of blocks with other
-    /// materials, are looked at.
-    fn edited(&mut self, geometry: &Geometry, before: &Arc<[Owner]>, reclad: Option<&[bool]>) -> Result<Owners> {
-        let lamps = self.desc.surfaces.of_blocks(|facts| facts.emits).map(|(number, _)| number as u32);
-        let lamps: Vec<u32> = lamps.filter(|number| self.emission(*number).is_some()).collect();
-        // The owners of a surface are neighbours, and the surfaces are in order.
-        let of = |lamp: u32| {
-            let first = before.partition_point(|owner| owner.surface < lamp);
-            first..first + before[first..].partition_point(|owner| owner.surface == lamp)
-        };
-        let lit: Vec<usize> = lamps.into_iter().flat_map(of).collect();
-        if lit.is_empty() && reclad.is_none() && before.iter().all(|owner| owner.emitter == NO_EMITTER) {
-            return Ok(Owners::Each(Arc::clone(before)));
-        }
-        let is_reclad = |surface: u32| reclad.is_some_and(|reclad| reclad[Surfaces::place_of(surface as usize)]);
-        let owner = |owner: &Owner| match is_reclad(owner.surface) {
-            true => self.owner(owner.surface, NO_EMITTER),
-            false => Owner { emitter: NO_EMITTER, ..*owner },
-        };
-        let mut owners = with_room(before.len())?;
-        owners.extend(before.iter().map(owner));
-        let emits_both = lit.iter().any(|i| self.emits_both(owners[*i].surface));
-        self.make_room(lit.len(), emits_both)?;
-        for (count, i) in lit.into_iter().enumerate() {
-            if count % LAMPS_PER_CHECK == 0 {
-                self.progress.check()?;
-            }
-            let surface = owners[i].surface;
-            let Some(radiance) = self.emission(surface) else { continue };
-            owners[i].emitter = match geometry {
-                Geometry::Analytic { shapes, .. } => self.emit_shape(&shapes.start[i], None, surface, radiance)?,
-                Geometry::Loose { triangles, .. } => {
-                    self.emit(geometry, triangles, i, surface, radiance).unwrap_or(NO_EMITTER)
-                }
-                Geometry::Flat { .. } | Geometry::Instance { .. } => NO_EMITTER,
-            };
-        }
-        Ok(Owners::Each(shared(owners)?))
     }
 
     /// Refuses lamps that move and whose radiance a texture varies.

@@ -44,8 +44,9 @@ pub type etd_work_fn = Option<unsafe extern "C" fn(argument: *mut c_void)>;
 
 /// A function of the host that submits a job to the host's executor, and returns without waiting for the job.
 ///
-/// The thread of a render calls it, once for each helper and pass. The host must call `work(argument)` exactly once. The job may
-/// run late or on the calling thread. The function must not unwind.
+/// The thread of a render calls it, once for each helper and pass, and as often for other work that threads share, such as the
+/// estimate of errors at the end. The host must call `work(argument)` exactly once. The job may run late or on the calling
+/// thread. The function must not unwind.
 pub type etd_submit_fn = Option<unsafe extern "C" fn(user_data: *mut c_void, work: etd_work_fn, argument: *mut c_void)>;
 
 /// A release callback, which is called once memory that was shared with a mesh is no longer read. It is called exactly once, on
