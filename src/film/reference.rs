@@ -80,8 +80,8 @@ pub(super) struct Reference {
 struct Means {
     /// Width of the image in pixels.
     width: usize,
-    /// For each row of tiles, those of its pixels in row order.
-    rows: Vec<Vec<[f32; 3]>>,
+    /// For each row of tiles, those of its pixels in row order: three channels and their luminance.
+    rows: Vec<Vec<[f32; 4]>>,
     /// Number of pixels.
     count: usize,
     floor: f64,
@@ -176,11 +176,13 @@ impl Means {
         let rows = parallel.map(film.tile_rows(), move |row| {
             let places = own.places_of_row(row);
             let (mut means, mut unknown) = (with_room(places.len())?, Vec::new());
-            means.resize(places.len(), [0.0; 3]);
-            let mut room = Ok(());
+            means.resize(places.len(), [0.0; 4]);
+            let (mut sum, mut room) = (0.0, Ok(()));
             let is_whole = own.for_each_of_row(row, &cancel, |place, pixel, _| {
                 let mean = pixel.mean(weighted);
-                means[place - places.start] = mean;
+                sum += mean.map(f64::from).iter().sum::<f64>();
+                let [r, g, b] = mean;
+                means[place - places.start] = [r, g, b, luminance(mean.into())];
                 let found = if is_tame { None } else { UnknownMean::new(place, mean, pixel.variance(share)) };
                 if let (Some(found), Ok(())) = (found, &room) {
                     room = push(&mut unknown, found);
@@ -191,7 +193,7 @@ impl Means {
                 return Err(cancelled());
             }
             WorkProgress::new(&cancel).sort(&mut unknown, &|a, b| a.place.cmp(&b.place))?;
-            Ok((means, unknown))
+            Ok((means, sum, unknown))
         })?;
         let mut means = Self {
             width: film.options().resolution[0] as usize,
@@ -202,8 +204,8 @@ impl Means {
         };
         let mut sum = 0.0;
         for row in rows {
-            let (row, unknown): (Vec<[f32; 3]>, _) = row?;
-            sum += row.iter().flatten().copied().map(f64::from).sum::<f64>();
+            let (row, sum_of_row, unknown) = row?;
+            sum += sum_of_row;
             means.rows.push(row);
             means.unknown.push(Mutex::new(unknown));
         }
@@ -212,11 +214,12 @@ impl Means {
         Ok(means)
     }
 
-    /// The mean of a pixel.
+    /// The mean of a pixel, and its luminance.
     #[inline]
-    fn of(&self, place: usize) -> &[f32; 3] {
+    fn of(&self, place: usize) -> ([f32; 3], f32) {
         let in_row = self.width * TILE as usize;
-        &self.rows[place / in_row][place % in_row]
+        let [r, g, b, luminance] = self.rows[place / in_row][place % in_row];
+        ([r, g, b], luminance)
     }
 
     /// The mean of a pixel's neighbours without the pixel itself.
@@ -227,19 +230,19 @@ impl Means {
     fn of_surroundings(&self, place: usize) -> [f32; 3] {
         let (width, height) = (self.width, self.count / self.width);
         let (x, y) = (place % width, place / width);
-        let own = luminance((*self.of(place)).into());
+        let (_, own) = self.of(place);
         let (mut sum, mut count) = ([0.0; 3], 0.0_f32);
+        let columns = x.saturating_sub(REACH)..(x + REACH + 1).min(width);
         for row in y.saturating_sub(REACH)..(y + REACH + 1).min(height) {
-            for column in x.saturating_sub(REACH)..(x + REACH + 1).min(width) {
-                let neighbour = row * width + column;
-                if neighbour == place {
+            let start = row % TILE as usize * width;
+            let means = &self.rows[row / TILE as usize][start..start + width][columns.clone()];
+            for (column, &[r, g, b, brightness]) in columns.clone().zip(means) {
+                if (row, column) == (y, x) {
                     continue;
                 }
-                let mean = *self.of(neighbour);
-                let brightness = luminance(mean.into());
                 // Filters with negative lobes may give a pixel zero or negative light.
                 let scale = if own > 0.0 && brightness > own { own / brightness } else { 1.0 };
-                for (sum, mean) in sum.iter_mut().zip(mean) {
+                for (sum, mean) in sum.iter_mut().zip([r, g, b]) {
                     *sum += scale * mean;
                 }
                 count += 1.0;
@@ -259,10 +262,10 @@ impl Means {
                 return None;
             }
             let UnknownMean { place, weight: variance, .. } = unknown[number];
-            let own = *self.of(place as usize);
+            let (own, brightness) = self.of(place as usize);
             let square: f64 = own.iter().map(|&mean| f64::from(mean) * f64::from(mean)).sum();
             let surroundings = self.of_surroundings(place as usize);
-            let ratio = f64::from(luminance(own.into())) / lift(luminance(surroundings.into()), self.floor);
+            let ratio = f64::from(brightness) / lift(luminance(surroundings.into()), self.floor);
             let evidence = (square / variance - 1.0).max(0.0) * ratio.max(1.0).ln();
             let [least, enough] = EVIDENCE;
             // Where there is no light at all, or no variance yet, the evidence is NaN.
@@ -284,7 +287,7 @@ impl Means {
 
 /// A mean, where means below the floor count as equal to it.
 fn lift(mean: f32, floor: f64) -> f64 {
-    f64::from(mean).hypot(floor.sqrt())
+    (f64::from(mean) * f64::from(mean) + floor).sqrt()
 }
 
 /// Light of a pixel beyond that of its surroundings, as a multiple of the surroundings' light.
