@@ -3551,7 +3551,8 @@ typedef struct etd_summary {
      */
     uint64_t non_finite;
     /**
-     * Estimated relative error of the image: the root of `rel_mse`. NaN where there are too few samples for an estimate.
+     * Estimated relative error of the image: the root of `rel_mse`. NaN where there are too few samples or too little memory for
+     * an estimate, and after a cancel.
      */
     double relative_error;
     /**
@@ -3563,7 +3564,7 @@ typedef struct etd_summary {
      */
     uint32_t cancelled;
     /**
-     * Estimated relMSE (see `ETD_ERROR_RELMSE`). NaN where there are too few samples for an estimate.
+     * Estimated relMSE (see `ETD_ERROR_RELMSE`). NaN where `relative_error` is NaN.
      */
     double rel_mse;
     /**

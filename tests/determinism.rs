@@ -11,7 +11,7 @@ use std::time::Duration;
 use common::scenes::{box_inside, camera, scene};
 use etendue::Cancel;
 use etendue::desc::{BsdfDesc, CameraDesc, FilmDesc, FocusDesc, FovAxis, LensDesc, RenderDesc, SceneDesc, ShapeDesc};
-use etendue::film::Image;
+use etendue::film::{ErrorMeasure, Image};
 use etendue::math::DVec3;
 use etendue::render::{Ended, Progress, Render, RenderSettings, Workers};
 use etendue::scene::{BuildOptions, Scene};
@@ -104,27 +104,32 @@ fn executors_change_nothing() {
     }
 }
 
-/// Threads estimate errors together, by which adaptive samples are distributed.
+/// Threads estimate errors together, by which adaptive samples are distributed and renders end.
 #[test]
 fn executors_change_no_estimate() {
     let scene = Scene::build(&room(), &BuildOptions::default()).unwrap();
-    let desc = RenderDesc { resolution: [45, 37], samples: 40, ..RenderDesc::default() };
-    let estimates = |workers: Workers| {
-        let settings = RenderSettings {
-            desc: desc.clone(),
-            workers: Some(workers),
-            adaptive: Some(true),
-            ..RenderSettings::default()
-        };
-        let mut render = Render::new(&scene, settings).unwrap();
-        let summary = render.run(&mut |_| ControlFlow::Continue(())).unwrap();
-        let counts = summary.sample_counts.unwrap();
-        assert!(summary.adaptive && counts.min < counts.max, "{counts:?}");
-        (summary.rel_mse.unwrap(), summary.display_error.unwrap(), counts, bits(&render.image()))
+    let settings = |samples, adaptive, target_error| RenderSettings {
+        desc: RenderDesc { resolution: [45, 37], samples, ..RenderDesc::default() },
+        adaptive: Some(adaptive),
+        target_error,
+        error_measure: ErrorMeasure::RelMse,
+        ..RenderSettings::default()
     };
-    let reference = estimates(Workers::pool(1).unwrap());
-    for (name, workers) in executors() {
-        assert!(estimates(workers) == reference, "{name}");
+    for (settings, ended) in
+        [(settings(40, true, None), Ended::Samples), (settings(4096, false, Some(0.05)), Ended::Error)]
+    {
+        let estimates = |workers: Workers| {
+            let mut render =
+                Render::new(&scene, RenderSettings { workers: Some(workers), ..settings.clone() }).unwrap();
+            let summary = render.run(&mut |_| ControlFlow::Continue(())).unwrap();
+            let counts = summary.sample_counts.unwrap();
+            assert_eq!((summary.ended, counts.min < counts.max), (ended, summary.adaptive), "{counts:?}");
+            (summary.rel_mse.unwrap(), summary.display_error.unwrap(), counts, bits(&render.image()))
+        };
+        let reference = estimates(Workers::pool(1).unwrap());
+        for (name, workers) in executors() {
+            assert!(estimates(workers) == reference, "{name}");
+        }
     }
 }
 

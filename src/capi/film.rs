@@ -19,7 +19,7 @@ use super::types::*;
 use super::work::summary_out;
 use crate::desc::SceneDesc;
 use crate::embree::Charge;
-use crate::film::{Film, Image, LayerKind, Shown};
+use crate::film::{ErrorMeasure, Film, Image, LayerKind, Shown};
 use crate::output::{self, Attribute, ToneMap, WriteOptions, summary_attributes};
 use crate::render::{Checkpoint, Share, Summary};
 use crate::spectrum::Primaries;
@@ -259,16 +259,16 @@ impl etd_film {
     }
 
     /// Makes the summary of a film that was loaded or merged, of which no render has said one.
-    fn summarise(&self) -> Result {
+    fn summarise(&self) {
         let checkpoint = {
             let state = lock(&self.state);
             match &state.kept {
                 Some(kept) if state.summary.is_none() => kept.checkpoint.clone(),
-                _ => return Ok(()),
+                _ => return,
             }
         };
         let film = checkpoint.film();
-        let estimates = film.estimates(&mut Alone::default())?;
+        let estimates = film.estimates(&ErrorMeasure::ALL, &mut Alone::default()).unwrap_or_default();
         let summary = Summary {
             samples: checkpoint.samples(),
             sample_counts: Some(film.counts()),
@@ -287,7 +287,6 @@ impl etd_film {
             state.summary = Some(summary_out(&summary, Duration::ZERO, false));
             state.attributes = attributes;
         }
-        Ok(())
     }
 
     /// Whether renders have to keep first hits for the film's layers.
@@ -721,8 +720,7 @@ pub unsafe extern "C" fn etd_film_write(
             let path = text(path, "path")?;
             let it = read_image_options(options)?;
             let comments = optional_text(it.comments, "options.comments")?;
-            // A picture is written also where there is no memory for its error.
-            film.summarise().ok();
+            film.summarise();
             let (sums, attributes) = {
                 let state = lock(&film.state);
                 (state.sums.clone(), state.attributes.clone())
@@ -751,7 +749,7 @@ pub unsafe extern "C" fn etd_film_get_summary(film: *const etd_film, out_summary
     // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(film, |film| {
-            film.summarise()?;
+            film.summarise();
             let summary = lock(&film.state).summary;
             let summary = summary.ok_or_else(|| Failure::operation("no render has ended on this film yet"))?;
             write_sized(out_summary, "out_summary", summary)

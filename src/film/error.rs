@@ -86,36 +86,15 @@ impl Film {
 
     /// The estimated error in a measure; see [`Film::rel_mse`] and [`Film::display_error`].
     pub fn error(&self, measure: ErrorMeasure) -> Option<ErrorEstimate> {
-        self.error_on(measure, &mut Alone::default()).unwrap_or_default()
+        self.estimates(&[measure], &mut Alone::default()).ok()?.of(measure)
     }
 
-    /// The same as [`Film::error`], by several threads.
-    ///
-    /// # Errors
-    /// As [`Film::estimates`].
-    pub(crate) fn error_on(
-        &self,
-        measure: ErrorMeasure,
-        parallel: &mut impl Parallel,
-    ) -> Result<Option<ErrorEstimate>> {
-        let Estimates { rel_mse, display } = self.estimates_in(&[measure], parallel)?;
-        Ok(match measure {
-            ErrorMeasure::RelMse => rel_mse,
-            ErrorMeasure::Display => display,
-        })
-    }
-
-    /// The errors in both measures. They are the same for any number of threads.
+    /// The errors in these measures. They are the same for any number of threads.
     ///
     /// # Errors
     /// [`ErrorKind::Cancelled`] if the work was stopped before the end, [`ErrorKind::OutOfMemory`], and other errors of
     /// `parallel`.
-    pub(crate) fn estimates(&self, parallel: &mut impl Parallel) -> Result<Estimates> {
-        self.estimates_in(&[ErrorMeasure::RelMse, ErrorMeasure::Display], parallel)
-    }
-
-    /// [`Film::estimates`] in these measures only.
-    fn estimates_in(&self, measures: &[ErrorMeasure], parallel: &mut impl Parallel) -> Result<Estimates> {
+    pub(crate) fn estimates(&self, measures: &[ErrorMeasure], parallel: &mut impl Parallel) -> Result<Estimates> {
         // Usually all pixels have equally many samples. If the first pixels have too few for an estimate, the others are not
         // read.
         let has_none =
@@ -123,8 +102,7 @@ impl Film {
         if self.tiles.first().is_none_or(|tile| has_none(&lock(tile))) {
             return Ok(Estimates::default());
         }
-        let [is_relative, is_displayed] =
-            [ErrorMeasure::RelMse, ErrorMeasure::Display].map(|measure| measures.contains(&measure));
+        let [is_relative, is_displayed] = ErrorMeasure::ALL.map(|measure| measures.contains(&measure));
         let reference = if is_relative { Some(Reference::new(self, parallel)?) } else { None };
         let (film, cancel) = (self.handle(), parallel.token());
         let rows = parallel.map(self.tile_rows(), move |row| {
@@ -218,6 +196,11 @@ impl Film {
     }
 }
 
+impl ErrorMeasure {
+    /// Both measures.
+    pub(crate) const ALL: [Self; 2] = [Self::RelMse, Self::Display];
+}
+
 /// Estimates of a film's errors.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Estimates {
@@ -225,6 +208,16 @@ pub(crate) struct Estimates {
     pub rel_mse: Option<ErrorEstimate>,
     /// See [`Film::display_error`].
     pub display: Option<ErrorEstimate>,
+}
+
+impl Estimates {
+    /// The error in a measure.
+    pub fn of(&self, measure: ErrorMeasure) -> Option<ErrorEstimate> {
+        match measure {
+            ErrorMeasure::RelMse => self.rel_mse,
+            ErrorMeasure::Display => self.display,
+        }
+    }
 }
 
 /// Squared error of a pixel as it is displayed, the mean over channels.
@@ -315,7 +308,7 @@ pub(super) mod tests {
     }
 
     /// The same of any size.
-    fn grey(resolution: [u32; 2], others: &[([usize; 2], [f32; REPLICATES])], gathering: bool) -> Film {
+    pub fn grey(resolution: [u32; 2], others: &[([usize; 2], [f32; REPLICATES])], gathering: bool) -> Film {
         let options = FilmOptions {
             resolution,
             placement: None,
@@ -551,14 +544,14 @@ pub(super) mod tests {
                 }
             }
         }
-        let alone = film.estimates(&mut Alone::default()).unwrap();
+        let alone = film.estimates(&ErrorMeasure::ALL, &mut Alone::default()).unwrap();
         assert_eq!([alone.rel_mse, alone.display], [film.rel_mse(), film.display_error()]);
         let counts = film.own_errors(ErrorMeasure::Display, &mut Alone::default()).unwrap().0;
         film.for_each(|place, pixel, _| assert_eq!(counts[place], pixel.count()));
         let SampleCounts { min, mean, max } = film.counts();
         assert_eq!([min, max], [8, 10]);
         assert_eq!(mean, counts.iter().map(|count| f64::from(*count)).sum::<f64>() / (50.0 * 70.0));
-        let found = film.estimates(&mut Backwards).unwrap();
+        let found = film.estimates(&ErrorMeasure::ALL, &mut Backwards).unwrap();
         assert_eq!([found.rel_mse, found.display], [alone.rel_mse, alone.display]);
         // Every pixel is counted once.
         let mean = errors(&film).iter().sum::<f64>() / (50.0 * 70.0);
@@ -566,6 +559,6 @@ pub(super) mod tests {
         assert!((found / mean - 1.0).abs() < 1e-12, "{found}, {mean}");
         let cancel = Cancel::new();
         cancel.cancel();
-        assert_eq!(film.estimates(&mut Alone(cancel)).unwrap_err().kind(), ErrorKind::Cancelled);
+        assert_eq!(film.estimates(&ErrorMeasure::ALL, &mut Alone(cancel)).unwrap_err().kind(), ErrorKind::Cancelled);
     }
 }

@@ -320,7 +320,7 @@ impl RarePixels {
 
 #[cfg(test)]
 mod tests {
-    use super::super::error::tests::{grey_but, hits};
+    use super::super::error::tests::{grey, grey_but, hits};
     use super::*;
     use crate::Alone;
 
@@ -345,7 +345,13 @@ mod tests {
         assert_eq!(of(one(true)), (1.0, 101.0, 1.0));
         // Four that one sample has met and one that two have: half.
         let at = [[0, 0], [6, 0], [0, 6], [6, 6]].map(|at| (at, hits(1, 801.0)));
-        let (around, expected, _) = of(grey_but(&[&at[..], &[([3, 3], hits(2, 801.0))]].concat(), true));
-        assert!(((expected - around) / (101.0 - around) - 0.5).abs() < 0.01, "{around}, {expected}");
+        let more = grey_but(&[&at[..], &[([3, 3], hits(2, 801.0))]].concat(), true);
+        // The same in several rows of tiles.
+        let at = [[0, 0], [6, 0], [0, 39], [6, 39]].map(|at| (at, hits(1, 801.0)));
+        let tall = grey([7, 40], &[&at[..], &[([3, 20], hits(2, 801.0))]].concat(), true);
+        for film in [more, tall] {
+            let (around, expected, _) = of(film);
+            assert!(((expected - around) / (101.0 - around) - 0.5).abs() < 0.01, "{around}, {expected}");
+        }
     }
 }

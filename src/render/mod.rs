@@ -44,7 +44,7 @@ use crate::camera::{Camera, MovingCamera};
 use crate::control::{Alone, PROGRESS_INTERVAL};
 use crate::desc::{Bias, FilterDesc, IntegratorDesc, Preparation, RenderDesc, SamplerDesc};
 use crate::error::{Error, ErrorKind, Result};
-use crate::film::{ErrorEstimate, Estimates, Film, FilmOptions, Image, Placement, REPLICATES};
+use crate::film::{ErrorEstimate, ErrorMeasure, Estimates, Film, FilmOptions, Image, Placement, REPLICATES};
 use crate::integrator::Path;
 use crate::integrator::light_tracing::{LightPaths, LightPictures};
 use crate::integrator::photon::{Choice, Plan, choose};
@@ -338,6 +338,10 @@ impl Render {
         }
         let mut keeper = self.settings.checkpoint.clone().map(Keeper::new);
         let ended = loop {
+            // An estimate that cannot change the end is left out.
+            if let Some(ended) = schedule.ended(self.samples, start.elapsed(), None) {
+                break ended;
+            }
             let error = self.error_to_compare(&schedule)?;
             if let Some(ended) = schedule.ended(self.samples, start.elapsed(), error) {
                 break ended;
@@ -384,7 +388,7 @@ impl Render {
             let done = f64::from(self.samples);
             let report = schedule.progress(self.samples, done, self.rays, start.elapsed(), Some(&image));
             if progress(&report).is_break() {
-                let error = self.error_to_compare(&schedule)?;
+                let error = self.error_to_compare(&schedule).unwrap_or_default();
                 break schedule.ended(self.samples, start.elapsed(), error).unwrap_or(Ended::Cancelled);
             }
         };
@@ -411,8 +415,8 @@ impl Render {
     fn error_to_compare(&self, schedule: &Schedule) -> Result<Option<ErrorEstimate>> {
         let measure = schedule.measure_to_estimate(self.samples).filter(|_| self.samples >= self.decision);
         let Some(measure) = measure else { return Ok(None) };
-        let estimate = |parallel: &mut WorkerPool| self.film.error_on(measure, parallel);
-        let error = unless_cancelled(self.workers.without_limit(&self.settings.cancel, estimate))?.flatten();
+        let found = unless_cancelled(self.estimates(&[measure]))?.unwrap_or_default();
+        let error = found.of(measure);
         // A scene without light is black without error.
         let is_black = error.is_none() && self.scene.emitters().is_dark();
         Ok(if is_black { Some(ErrorEstimate { value: 0.0, standard_error: 0.0 }) } else { error })
@@ -434,16 +438,14 @@ impl Render {
         Ok(true)
     }
 
-    /// Estimates of the film's errors at the end of a render, where there are any.
-    fn estimates(&self) -> Estimates {
+    /// Estimates of the film's errors in these measures.
+    fn estimates(&self, measures: &[ErrorMeasure]) -> Result<Estimates> {
         let cancel = &self.settings.cancel;
-        // A render that was resumed in another process, and has all its samples already, is without threads.
-        let found = match self.workers.are_there() {
-            true => self.workers.without_limit(cancel, |parallel| self.film.estimates(parallel)),
-            false => self.film.estimates(&mut Alone(cancel.clone())),
-        };
-        // The picture is not lost with its error.
-        found.unwrap_or_default()
+        // In a process that was forked from that of the threads, what is rendered already has its errors all the same.
+        match self.workers.are_there() {
+            true => self.workers.without_limit(cancel, |parallel| self.film.estimates(measures, parallel)),
+            false => self.film.estimates(measures, &mut Alone(cancel.clone())),
+        }
     }
 
     /// Sets the token that stops the next [`Render::run`]. A render that was cancelled continues only with a new token.
@@ -733,7 +735,8 @@ impl Render {
                 self.non_finite_samples.first().map(|first| format!("; the first: {first}")).unwrap_or_default();
             notes.push(format!("{non_finite} samples were NaN or infinite and count as black{first}"));
         }
-        let Estimates { rel_mse, display } = self.estimates();
+        // The picture is not lost with its error.
+        let Estimates { rel_mse, display } = self.estimates(&ErrorMeasure::ALL).unwrap_or_default();
         let pixels = self.film.options().resolution.map(u64::from).into_iter().product::<u64>();
         if pixels >= MIN_PIXELS_FOR_TAIL_NOTE && rel_mse.is_some_and(|error| error.is_heavy_tailed()) {
             notes.push(

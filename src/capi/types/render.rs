@@ -405,13 +405,14 @@ pub struct etd_summary {
     /// Number of samples that were NaN or infinite and count as black. The log callback receives a warning with the place where
     /// the first of them became so.
     pub non_finite: u64,
-    /// Estimated relative error of the image: the root of `rel_mse`. NaN where there are too few samples for an estimate.
+    /// Estimated relative error of the image: the root of `rel_mse`. NaN where there are too few samples or too little memory for
+    /// an estimate, and after a cancel.
     pub relative_error: f64,
     /// Number of complete samples per pixel; the mean over pixels where the numbers differ.
     pub samples: u32,
     /// 1 if the render was cancelled, else 0.
     pub cancelled: u32,
-    /// Estimated relMSE (see `ETD_ERROR_RELMSE`). NaN where there are too few samples for an estimate.
+    /// Estimated relMSE (see `ETD_ERROR_RELMSE`). NaN where `relative_error` is NaN.
     pub rel_mse: f64,
     /// Standard error of `rel_mse`, estimated from the scatter over pixels.
     pub rel_mse_standard_error: f64,
