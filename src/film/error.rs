@@ -1,7 +1,7 @@
 //! Error estimates of an image, from the scatter of the image's own samples.
 
 use super::reference::Reference;
-use super::sums::{PixelError, Terms, cancelled, mean_of_channels};
+use super::sums::{PixelError, Terms, mean_of_channels};
 use super::{Film, Pixel, PixelExtras, PixelPhotonState, Tile, lock};
 use crate::Cancel;
 use crate::control::{Alone, Parallel};
@@ -107,7 +107,7 @@ impl Film {
         let (film, cancel) = (self.handle(), parallel.token());
         let rows = parallel.map(self.tile_rows(), move |row| {
             let [mut relative, mut displayed] = [Terms::default(); 2];
-            let is_whole = film.for_each_of_row(row, &cancel, |place, pixel, beside| {
+            film.for_each_of_row(row, &cancel, |place, pixel, beside| {
                 let (own, squared) = (pixel.mean(film.options.weighted), film.squared_error(pixel, &beside));
                 if let Some(reference) = &reference {
                     relative.add(reference.error(row, place, own, squared));
@@ -116,12 +116,12 @@ impl Film {
                     let value = displayed_error(own, squared);
                     displayed.add(PixelError { value, bound: value });
                 }
-            });
-            is_whole.then_some([relative, displayed])
+            })?;
+            Ok([relative, displayed])
         })?;
         let [mut relative, mut displayed] = [Terms::default(); 2];
         for row in rows {
-            let [of_row, displayed_of_row] = row.ok_or_else(cancelled)?;
+            let [of_row, displayed_of_row]: [Terms; 2] = row?;
             relative.join(of_row);
             displayed.join(displayed_of_row);
         }
@@ -169,15 +169,15 @@ impl Film {
             let (mut counts, mut errors) = (with_room(places.len())?, with_room(places.len())?);
             counts.resize(places.len(), 0);
             errors.resize(places.len(), 0.0);
-            let is_whole = film.for_each_of_row(row, &cancel, |place, pixel, beside| {
+            film.for_each_of_row(row, &cancel, |place, pixel, beside| {
                 let (own, squared) = (pixel.mean(film.options.weighted), film.squared_error(pixel, &beside));
                 counts[place - places.start] = pixel.count();
                 errors[place - places.start] = match &reference {
                     Some(reference) => reference.error(row, place, own, squared).value,
                     None => displayed_error(own, squared),
                 };
-            });
-            if is_whole { Ok((counts, errors)) } else { Err(cancelled()) }
+            })?;
+            Ok((counts, errors))
         })?;
         let (mut counts, mut errors) = (with_room(self.pixel_count())?, with_room(self.pixel_count())?);
         for row in rows {
@@ -243,18 +243,23 @@ pub(super) mod tests {
     use crate::sampling::Rng;
     use crate::spectrum::Rgb;
 
-    /// A film of 2 x 2 pixels whose replicates are `mean + off` and `mean - off` in turn.
-    fn film(pixels: [(f32, f32); 4], samples: u32) -> Film {
+    /// A film without samples.
+    fn empty(resolution: [u32; 2], gathering: bool) -> Film {
         let options = FilmOptions {
-            resolution: [2, 2],
+            resolution,
             placement: None,
             auxiliary: false,
             light_parts: false,
             share: 1,
             weighted: false,
-            gathering: false,
+            gathering,
         };
-        let film = Film::new(options).unwrap();
+        Film::new(options).unwrap()
+    }
+
+    /// A film of 2 x 2 pixels whose replicates are `mean + off` and `mean - off` in turn.
+    fn film(pixels: [(f32, f32); 4], samples: u32) -> Film {
+        let film = empty([2, 2], false);
         let mut tile = film.tile(0);
         for (i, (mean, off)) in pixels.into_iter().enumerate() {
             let index = i % 2 + i / 2 * TILE as usize;
@@ -309,16 +314,7 @@ pub(super) mod tests {
 
     /// The same of any size.
     pub fn grey(resolution: [u32; 2], others: &[([usize; 2], [f32; REPLICATES])], gathering: bool) -> Film {
-        let options = FilmOptions {
-            resolution,
-            placement: None,
-            auxiliary: false,
-            light_parts: false,
-            share: 1,
-            weighted: false,
-            gathering,
-        };
-        let film = Film::new(options).unwrap();
+        let film = empty(resolution, gathering);
         for number in 0..film.tile_count() {
             let [left, top] = film.tile_origin(number).map(|length| length as usize);
             let mut tile = film.tile(number);
@@ -523,16 +519,7 @@ pub(super) mod tests {
 
     #[test]
     fn the_order_of_the_work_changes_no_estimate() {
-        let options = FilmOptions {
-            resolution: [50, 70],
-            placement: None,
-            auxiliary: false,
-            light_parts: false,
-            share: 1,
-            weighted: false,
-            gathering: false,
-        };
-        let film = Film::new(options).unwrap();
+        let film = empty([50, 70], false);
         let mut rng = Rng::new(3, 1);
         for number in 0..film.tile_count() {
             let mut tile = film.tile(number);

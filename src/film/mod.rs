@@ -308,7 +308,7 @@ impl Film {
         wants: impl FnMut(usize, &Tile) -> bool,
         visit: impl FnMut(usize, &Pixel, PixelExtras),
     ) -> bool {
-        self.for_each_of(0..self.tiles.len(), cancel, wants, visit)
+        self.for_each_of(0..self.tiles.len(), cancel, wants, visit).is_ok()
     }
 
     /// Number of rows of tiles.
@@ -317,7 +317,12 @@ impl Film {
     }
 
     /// [`Film::for_each_unless`] for the pixels of a row of tiles. Those of all rows of tiles are consecutive in row order.
-    fn for_each_of_row(&self, row: usize, cancel: &Cancel, visit: impl FnMut(usize, &Pixel, PixelExtras)) -> bool {
+    fn for_each_of_row(
+        &self,
+        row: usize,
+        cancel: &Cancel,
+        visit: impl FnMut(usize, &Pixel, PixelExtras),
+    ) -> Result<()> {
         let across = self.options.resolution[0].div_ceil(TILE) as usize;
         self.for_each_of(row * across..(row + 1) * across, cancel, |_, _| true, visit)
     }
@@ -330,19 +335,20 @@ impl Film {
     }
 
     /// [`Film::for_each_where`] for these tiles.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Cancelled`].
     fn for_each_of(
         &self,
         tiles: Range<usize>,
         cancel: &Cancel,
         mut wants: impl FnMut(usize, &Tile) -> bool,
         mut visit: impl FnMut(usize, &Pixel, PixelExtras),
-    ) -> bool {
+    ) -> Result<()> {
         let [width, height] = self.options.resolution;
         let unsampled = Pixel::default();
         for number in tiles {
-            if cancel.is_cancelled() {
-                return false;
-            }
+            cancel.check()?;
             let [left, top] = self.tile_origin(number);
             let tile = lock(&self.tiles[number]);
             if !wants(number, &tile) {
@@ -361,7 +367,7 @@ impl Film {
                 }
             }
         }
-        true
+        Ok(())
     }
 
     fn write<const N: usize>(&self, out: &mut [f32], value: impl Fn(&Pixel, PixelExtras) -> [f32; N]) {

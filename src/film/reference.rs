@@ -3,7 +3,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::sums::{PixelError, cancelled, mean_of_channels};
+use super::sums::{PixelError, mean_of_channels};
 use super::{Film, TILE};
 use crate::Cancel;
 use crate::control::{Parallel, WorkProgress};
@@ -107,7 +107,7 @@ impl Reference {
         let mut strays = [0.0; 3];
         let mut rare = RarePixels { once: 0.0, often: 0.0 };
         for sums in sums {
-            let RareSums { strays: row, rare: RarePixels { once, often } } = sums.ok_or_else(cancelled)?;
+            let RareSums { strays: row, rare: RarePixels { once, often } } = sums?;
             strays.iter_mut().zip(row).for_each(|(all, row)| *all += row);
             rare = RarePixels { once: rare.once + once, often: rare.often + often };
         }
@@ -178,7 +178,7 @@ impl Means {
             let (mut means, mut unknown) = (with_room(places.len())?, Vec::new());
             means.resize(places.len(), [0.0; 4]);
             let (mut sum, mut room) = (0.0, Ok(()));
-            let is_whole = own.for_each_of_row(row, &cancel, |place, pixel, _| {
+            own.for_each_of_row(row, &cancel, |place, pixel, _| {
                 let mean = pixel.mean(weighted);
                 sum += mean.map(f64::from).iter().sum::<f64>();
                 let [r, g, b] = mean;
@@ -187,11 +187,8 @@ impl Means {
                 if let (Some(found), Ok(())) = (found, &room) {
                     room = push(&mut unknown, found);
                 }
-            });
+            })?;
             room?;
-            if !is_whole {
-                return Err(cancelled());
-            }
             WorkProgress::new(&cancel).sort(&mut unknown, &|a, b| a.place.cmp(&b.place))?;
             Ok((means, sum, unknown))
         })?;
@@ -252,14 +249,14 @@ impl Means {
     }
 
     /// Compares the pixels of unknown mean in a row of tiles with their surroundings, and removes those whose own mean counts
-    /// alone. `None` if it was cancelled before the end.
-    fn compare_row(&self, row: usize, cancel: &Cancel) -> Option<RareSums> {
+    /// alone.
+    fn compare_row(&self, row: usize, cancel: &Cancel) -> Result<RareSums> {
         let mut unknown = self.unknown[row].lock().unwrap_or_else(PoisonError::into_inner);
         let mut sums = RareSums { strays: [0.0; 3], rare: RarePixels { once: 0.0, often: 0.0 } };
         let mut kept = 0;
         for number in 0..unknown.len() {
-            if number % CANCEL_INTERVAL == 0 && cancel.is_cancelled() {
-                return None;
+            if number % CANCEL_INTERVAL == 0 {
+                cancel.check()?;
             }
             let UnknownMean { place, weight: variance, .. } = unknown[number];
             let (own, brightness) = self.of(place as usize);
@@ -281,7 +278,7 @@ impl Means {
             }
         }
         unknown.truncate(kept);
-        Some(sums)
+        Ok(sums)
     }
 }
 

@@ -1,7 +1,6 @@
 //! Sums over the pixels of a film, from which the film's error follows.
 
 use super::error::ErrorEstimate;
-use crate::error::{Error, ErrorKind};
 
 /// What a pixel adds to the error of an image.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,9 +49,4 @@ impl Terms {
 /// The mean over the channels of a value of theirs.
 pub(super) fn mean_of_channels(value: impl Fn(usize) -> f64) -> f64 {
     (value(0) + value(1) + value(2)) / 3.0
-}
-
-/// The error of work on a film that was stopped before its end.
-pub(super) fn cancelled() -> Error {
-    Error::new(ErrorKind::Cancelled, "cancelled")
 }

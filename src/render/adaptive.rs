@@ -15,7 +15,6 @@
 //! which a pixel again has the weight of one pixel among all. This choice matters only where few pixels have most of the
 //! error, and in that case the render continues (see `schedule`).
 
-use super::worker_pool::stopped;
 use crate::Cancel;
 use crate::control::Parallel;
 use crate::error::Result;
@@ -69,11 +68,10 @@ impl Stage {
             *error = if variance > 0.0 && variance.is_finite() { variance.sqrt() } else { 0.0 };
         }
         let cancel = &parallel.token();
-        let weights = weights(&deviations, film.options().resolution.map(|n| n as usize), cancel);
-        let weights = weights.ok_or_else(stopped)?;
+        let weights = weights(&deviations, film.options().resolution.map(|n| n as usize), cancel)?;
         let unit = film.options().share.saturating_mul(REPLICATES as u32);
-        let to = goals(&from, &weights, unit, end, hash(seed, u64::from(begin)), cancel);
-        Ok(Self { from, to: to.ok_or_else(stopped)?, begin, end })
+        let to = goals(&from, &weights, unit, end, hash(seed, u64::from(begin)), cancel)?;
+        Ok(Self { from, to, begin, end })
     }
 
     /// A stage from `begin` to `end` without pixels, for a stage that is read.
@@ -120,12 +118,10 @@ impl Stage {
 /// fraction of the mean over all pixels.
 ///
 /// Standard deviations are averaged and not variances, because a single firefly would dominate a mean of variances.
-fn weights(deviations: &[f64], [width, height]: [usize; 2], cancel: &Cancel) -> Option<Vec<f64>> {
+fn weights(deviations: &[f64], [width, height]: [usize; 2], cancel: &Cancel) -> Result<Vec<f64>> {
     let mut pooled = Vec::with_capacity(deviations.len());
     for y in 0..height {
-        if cancel.is_cancelled() {
-            return None;
-        }
+        cancel.check()?;
         for x in 0..width {
             let (mut sum, mut count) = (0.0, 0.0);
             for row in y.saturating_sub(NEIGHBOURHOOD)..(y + NEIGHBOURHOOD + 1).min(height) {
@@ -143,16 +139,16 @@ fn weights(deviations: &[f64], [width, height]: [usize; 2], cancel: &Cancel) -> 
     let mean = pooled.iter().sum::<f64>() / pooled.len().max(1) as f64;
     // Where no error is known, all pixels get the same weight.
     if !(mean > 0.0 && mean.is_finite()) {
-        return Some(vec![1.0; pooled.len()]);
+        return Ok(vec![1.0; pooled.len()]);
     }
-    Some(pooled.iter().map(|pooled| UNIFORM_FRACTION + (1.0 - UNIFORM_FRACTION) * pooled / mean).collect())
+    Ok(pooled.iter().map(|pooled| UNIFORM_FRACTION + (1.0 - UNIFORM_FRACTION) * pooled / mean).collect())
 }
 
 /// Goals in proportion to `weights`. Goals are multiples of `unit`, so that all replicates of a pixel have equally many
 /// samples, and not below `from`. Their sum is that of `mean` samples for each pixel, or less by fewer than `unit` samples.
 ///
 /// Goals are rounded up or down at random, by a hash of `seed` and the pixel.
-fn goals(from: &[u32], weights: &[f64], unit: u32, mean: u32, seed: u64, cancel: &Cancel) -> Option<Vec<u32>> {
+fn goals(from: &[u32], weights: &[f64], unit: u32, mean: u32, seed: u64, cancel: &Cancel) -> Result<Vec<u32>> {
     let offsets: Vec<f64> =
         (0..from.len()).map(|pixel| (hash(seed, pixel as u64) >> 11) as f64 * (-53_f64).exp2()).collect();
     let goal = |pixel: usize, factor: f64| {
@@ -168,9 +164,7 @@ fn goals(from: &[u32], weights: &[f64], unit: u32, mean: u32, seed: u64, cancel:
         (low, high) = (high, 2.0 * high);
     }
     for _ in 0..40 {
-        if cancel.is_cancelled() {
-            return None;
-        }
+        cancel.check()?;
         let middle = 0.5 * (low + high);
         if total(middle) <= budget { low = middle } else { high = middle }
     }
@@ -183,7 +177,7 @@ fn goals(from: &[u32], weights: &[f64], unit: u32, mean: u32, seed: u64, cancel:
         left -= u64::from(unit);
         pixel = (pixel + 1) % from.len();
     }
-    Some(goals)
+    Ok(goals)
 }
 
 #[cfg(test)]

@@ -151,8 +151,7 @@ impl WorkerPool<'_> {
     }
 }
 
-/// The error of work that was stopped.
-pub(super) fn stopped() -> Error {
+fn stopped() -> Error {
     Error::new(ErrorKind::Cancelled, "stopped")
 }
 
