@@ -9,7 +9,7 @@ CARGO ?= cargo
 SCENE ?= scenes/room.json
 IMAGES ?= out/$(basename $(notdir $(SCENE))).png out/$(basename $(notdir $(SCENE))).exr
 INSTALL = CARGO='$(CARGO)' PREFIX='$(PREFIX)' LIBDIR='$(LIBDIR)' DESTDIR='$(DESTDIR)' scripts/install.sh
-ETENDUE = $(CARGO) run --quiet --release --locked --example etendue --
+ETENDUE = $(CARGO) run --quiet --release --locked $(ETENDUE_FEATURES) --example etendue --
 
 .PHONY: all setup render test accuracy mutations cuts attacks bench bench-rays peers-materials gallery pictures build install uninstall deb meshes clean
 all: render

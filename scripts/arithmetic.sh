@@ -1,5 +1,5 @@
 #!/bin/sh
-# The same image from every build: without optimisation, as tested, as released, with fused multiply-add, and with Embree
+# The same image from every build: without optimisation, as in development, as released, with fused multiply-add, and with Embree
 # held to older instruction sets. One line for each comparison; fails if one is off by more than its tolerance.
 #
 # Usage: scripts/arithmetic.sh
@@ -133,7 +133,7 @@ else
 fi
 
 printf '\n| %-48s | %-20s | %-12s | %s |\n|---|---|---|---|\n' "compared with the release build" "got" "tolerance" ""
-same dev "as tested (opt-level 2, checks on)"
+same dev "in development (opt-level 2, checks on)"
 same opt0 "not optimised (opt-level 0, checks on)"
 [ $has_fma = 0 ] || near fma "AVX2 and fused multiply-add"
 for isa in $isas; do

@@ -198,7 +198,7 @@ cc=${first%:*}
 cxx=${first#*:}
 
 say "the same bytes as from Rust"
-cli=${ETENDUE_CLI:-target/release/examples/etendue}
+cli=${ETENDUE_CLI:-${CARGO_TARGET_DIR:-target}/release/examples/etendue}
 if [ -x "$cli" ]; then
     run tests/capi/same_bytes.sh "$cli" "$work/$cc-tests/same_bytes"
 else

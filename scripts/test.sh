@@ -5,27 +5,46 @@ cd "$(dirname "$0")/.."
 
 step() { printf '\n== %s\n' "$*"; }
 
-# What is installed is built beside the lints and tests, of which long stretches leave a core idle. It yields to them, since
-# some of them measure how soon a render stops. Link-time optimisation, which takes most of the time of a build, is left
-# out unless ETENDUE_LTO is set, as it is to be before a release.
-[ -n "${ETENDUE_LTO:-}" ] || export CARGO_PROFILE_RELEASE_LTO=off CARGO_PROFILE_RELEASE_CODEGEN_UNITS=16
+# One build serves lints, tests and what is installed: a release's, with every check of arithmetic left on, which costs the tests no
+# time, and without link-time optimisation, which takes most of the time of a build. It has a folder of its own. With ETENDUE_LTO set,
+# as it is to be before a release, what is installed is built and tried as it is released.
+folder=${CARGO_TARGET_DIR:-$PWD/target}/checked
+checked() {
+    env CARGO_TARGET_DIR="$folder" CARGO_PROFILE_RELEASE_DEBUG_ASSERTIONS=true CARGO_PROFILE_RELEASE_OVERFLOW_CHECKS=true \
+        CARGO_PROFILE_RELEASE_DEBUG=none CARGO_PROFILE_RELEASE_LTO=off ETENDUE_FEATURES=--all-features "$@"
+}
+installed() {
+    if [ -n "${ETENDUE_LTO:-}" ]; then "$@"; else checked "$@"; fi
+}
 log=$(mktemp)
-nice -n 19 make --no-print-directory build >"$log" 2>&1 &
-optimised=$!
-trap 'kill "$optimised" 2>/dev/null || true; rm -f "$log"' EXIT
+group=$(mktemp)
+clean() {
+    [ ! -s "$group" ] || kill -- "-$(cat "$group")" 2>/dev/null || true
+    rm -f "$log" "$group"
+}
+trap clean EXIT
+trap 'exit 130' INT
+trap 'exit 143' TERM HUP
 
 step "formatting"
 cargo fmt --all --check
 
 step "lints"
-cargo clippy --locked --all-targets --all-features -- -D warnings
+checked cargo clippy --release --locked --all-targets --all-features -- -D warnings
+# As people build the program and the libraries for C.
+checked cargo clippy --release --locked --lib --example etendue -- -D warnings
+checked cargo clippy --release --locked --lib --features capi -- -D warnings
 
 step "tests"
-cargo test --locked --all-features
+# The libraries for C are built beside the first tests. Until the tests are built, that waits for its turn.
+build='echo $$ >"$0"; sleep 5; exec make --no-print-directory build'
+[ -n "${ETENDUE_LTO:-}" ] || checked setsid sh -c "$build" "$group" >"$log" 2>&1 &
+optimised=$!
+checked cargo test --release --locked --all-features
 
 step "documentation"
 # With an example, dependencies are those that the lints were given: nothing of them is checked once more.
-RUSTDOCFLAGS="-D warnings" cargo doc --locked --no-deps --all-features --lib --example million_triangles
+checked env RUSTDOCFLAGS="-D warnings" cargo doc --release --locked --no-deps --all-features --lib --example million_triangles
 
 if command -v shellcheck >/dev/null 2>&1; then
     step "scripts"
@@ -38,21 +57,23 @@ scripts/mutations.pl --check
 
 step "the optimised build"
 wait "$optimised" || { cat "$log" >&2; exit 1; }
+: >"$group"
+[ -z "${ETENDUE_LTO:-}" ] || make --no-print-directory build
 
 step "a render, start to end"
-make --no-print-directory render IMAGES="out/test.png out/test.exr" ARGS="--spp 16" >/dev/null
+installed make --no-print-directory render IMAGES="out/test.png out/test.exr" ARGS="--spp 16" >/dev/null
 rm out/test.png out/test.exr
 
 step "the same bytes from one thread and from two"
 for threads in 1 2; do
-    cargo run --quiet --release --locked --example etendue -- \
-        render scenes/room.json --output "out/threads$threads.exr" --resolution 100x75 --spp 16 --threads "$threads" --quiet
+    installed make --no-print-directory render IMAGES="out/threads$threads.exr" \
+        ARGS="--resolution 100x75 --spp 16 --threads $threads --quiet" >/dev/null
 done
 cmp out/threads1.exr out/threads2.exr
 rm out/threads1.exr out/threads2.exr
 
 step "install, link, uninstall"
-scripts/check_install.sh scripts/hosts.sh
+installed scripts/check_install.sh scripts/hosts.sh
 
 step "the C and C++ reference"
 mkdir -p target/doxygen

@@ -11,8 +11,8 @@ pub fn program() -> &'static Path {
     PROGRAM.get_or_init(|| built("etendue"))
 }
 
-/// An example, built for the same profile as this test. A plain `cargo test` has built it already; a narrower one such
-/// as `cargo test --test cli` has not, or there is an outdated one.
+/// An example, built for the same profile as this test. It may not be there yet, or an outdated one
+/// may.
 pub fn built(example: &str) -> PathBuf {
     // target/<profile>/deps/cli-<hash>
     let test = std::env::current_exe().expect("the path of this test");
