@@ -2120,10 +2120,11 @@ typedef struct etd_render_options {
      */
     uint64_t seed;
     /**
-     * Time limit in seconds, > 0; 0: no limit. It ends the render in the middle of a pass, and of shooting photons for it. One
-     * sample per pixel is always taken, with the photon maps or the irradiance cache that it needs; a render that takes longer than
-     * its limit for that logs a warning. A radiosity solution is less accurate where time is short, which is logged as well; its first
-     * links, a fixed number of iterations, and that of a share of the picture take the time that they take.
+     * Time limit in seconds, > 0; 0: no limit. It ends the render, with its estimates of errors, in the middle of a pass, and of
+     * shooting photons for it. One sample per pixel is always taken, with the photon maps or the irradiance cache that it needs; a
+     * render that takes longer than its limit for that logs a warning. A radiosity solution is less accurate where time is short,
+     * which is logged as well; its first links, a fixed number of iterations, and that of a share of the picture take the time that
+     * they take.
      */
     double time_limit;
     /**
@@ -3534,7 +3535,7 @@ typedef struct etd_summary {
      */
     size_t struct_size;
     /**
-     * Seconds that the render took, without the build of the scene.
+     * Seconds that the render took, without the build of the scene and the estimates of errors at its end.
      */
     double elapsed;
     /**

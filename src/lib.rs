@@ -49,6 +49,7 @@ pub mod photometry;
 pub mod render;
 mod replace;
 mod room;
+mod rows;
 pub mod sampling;
 pub mod scene;
 pub mod shape;

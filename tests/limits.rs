@@ -104,7 +104,9 @@ fn the_summary_says_what_ended_it() {
     let (_, summary) = run(&scene, settings(&desc, None, Some(1e-9)));
     assert_eq!((summary.ended, summary.samples), (Ended::Samples, 48));
     let (_, summary) = run(&scene, settings(&endless, soon, None));
-    assert!(summary.ended == Ended::Time && summary.samples >= 1 && summary.elapsed >= Duration::from_millis(80));
+    assert!(summary.ended == Ended::Time && summary.samples >= 1);
+    // A quarter at most is left to the estimates of errors.
+    assert!(summary.elapsed >= Duration::from_millis(60), "{:?}", summary.elapsed);
     let (_, summary) = run(&scene, settings(&endless, soon, Some(1e-9)));
     assert_eq!(summary.ended, Ended::Time);
     let (_, summary) = run(&scene, settings(&endless, Some(Duration::from_secs(3600)), Some(0.5)));

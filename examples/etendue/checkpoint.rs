@@ -45,7 +45,7 @@ pub fn merge(args: &MergeArgs) -> Result<u8, Failure> {
         whole.write(path).map_err(Failure::running)?;
     }
     let film = whole.film();
-    let (image, error) = (film.try_develop()?, film.rel_mse());
+    let (image, error) = (film.try_develop(1)?, film.rel_mse());
     let numbers = [
         ("relMSE", error.map(|error| error.value)),
         ("relMSEStandardError", error.map(|error| error.standard_error)),

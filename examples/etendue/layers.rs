@@ -73,7 +73,7 @@ pub fn render(scene: &Scene, settings: &RenderSettings, bands: Bands, quiet: boo
             console::warn(format!("stopped: {} of {count} spectral layers are written", layers.len()));
             break;
         }
-        let rgb = render.film().try_develop().map_err(Failure::running)?.rgb;
+        let rgb = render.film().try_develop(1).map_err(Failure::running)?.rgb;
         for band in wanted {
             let name = output::spectral_layer(first + width * (band as f64 + 0.5));
             check_room(rgb.len() / A_FILM * size_of::<f32>())?;

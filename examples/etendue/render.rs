@@ -305,7 +305,7 @@ fn render_frame<R: Runner>(
     if summary.stopped && summary.rays == 0 {
         console::warn("stopped before the first ray: no image is written");
     } else {
-        let mut image = render.film().try_develop().map_err(Failure::running)?;
+        let mut image = render.film().try_develop(workers.threads()).map_err(Failure::running)?;
         let mut attributes = output::summary_attributes(&summary);
         let mut without_mattes = None;
         if let Some(bands) = bands.filter(|_| !summary.stopped) {

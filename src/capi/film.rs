@@ -271,7 +271,7 @@ impl etd_film {
         let estimates = film.estimates(&ErrorMeasure::ALL, &mut Alone::default()).unwrap_or_default();
         let summary = Summary {
             samples: checkpoint.samples(),
-            sample_counts: Some(film.counts()),
+            sample_counts: estimates.counts.or_else(|| Some(film.counts())),
             rays: checkpoint.rays(),
             rel_mse: estimates.rel_mse,
             display_error: estimates.display,
@@ -734,7 +734,7 @@ pub unsafe extern "C" fn etd_film_write(
                 attributes,
                 threads: film.device.build_threads,
             };
-            Ok(output::write(&sums.try_develop()?, Path::new(path), &options)?)
+            Ok(output::write(&sums.try_develop(options.threads)?, Path::new(path), &options)?)
         })
     }
 }

@@ -9,9 +9,10 @@ use super::portals::Portals;
 use super::textured_radiance::TexturedRadiance;
 use super::{EmitterSample, Receiver};
 use crate::math::{DMat3, DVec3, Vec3};
+use crate::rows::rows;
 use crate::sampling::BilinearGrid;
 use crate::spectrum::{LUMINANCE_WEIGHTS, Rgb, luminance};
-use crate::texture::{Texture, TexturePoint, rows};
+use crate::texture::{Texture, TexturePoint};
 use crate::{Cancel, Result};
 
 /// Most columns and rows of the grid that directions are sampled by. Larger images are sampled by means over squares of texels.

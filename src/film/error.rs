@@ -1,8 +1,11 @@
 //! Error estimates of an image, from the scatter of the image's own samples.
 
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
 use super::reference::Reference;
-use super::sums::{PixelError, Terms, mean_of_channels};
-use super::{Film, Pixel, PixelExtras, PixelPhotonState, Tile, lock};
+use super::sums::{CountSums, PixelError, Terms, mean_of_channels};
+use super::{Film, FilmOptions, Pixel, PixelExtras, PixelPhotonState, TILE, Tile, lock};
 use crate::Cancel;
 use crate::control::{Alone, Parallel};
 use crate::error::Result;
@@ -63,6 +66,9 @@ impl ErrorEstimate {
     }
 }
 
+/// Number of rows of tiles by which the time of all is estimated.
+const TIMED_ROWS: u32 = 2;
+
 impl Film {
     /// Estimated relMSE (see [`ErrorMeasure::RelMse`]), from the variances of the replicates. The error of a pixel whose own mean
     /// is not yet known is relative to its surroundings, as far as the pixel may be no brighter than these
@@ -86,28 +92,37 @@ impl Film {
 
     /// The estimated error in a measure; see [`Film::rel_mse`] and [`Film::display_error`].
     pub fn error(&self, measure: ErrorMeasure) -> Option<ErrorEstimate> {
+        if self.has_no_estimate() {
+            return None;
+        }
         self.estimates(&[measure], &mut Alone::default()).ok()?.of(measure)
     }
 
-    /// The errors in these measures. They are the same for any number of threads.
+    /// Whether the first pixel of a tile has too few samples for an estimate, so that there is none of the film.
+    fn has_no_estimate(&self) -> bool {
+        let has_none =
+            |tile: &Tile| tile.pixels.first().is_none_or(|first| first.variance(self.options.share)[0].is_nan());
+        self.tiles.iter().any(|tile| has_none(&lock(tile)))
+    }
+
+    /// The errors in these measures, and the numbers of samples. They are the same for any number of threads.
     ///
     /// # Errors
     /// [`ErrorKind::Cancelled`] if the work was stopped before the end, [`ErrorKind::OutOfMemory`], and other errors of
     /// `parallel`.
     pub(crate) fn estimates(&self, measures: &[ErrorMeasure], parallel: &mut impl Parallel) -> Result<Estimates> {
-        // Usually all pixels have equally many samples. If the first pixels have too few for an estimate, the others are not
-        // read.
-        let has_none =
-            |tile: &Tile| tile.pixels.first().is_none_or(|first| first.variance(self.options.share)[0].is_nan());
-        if self.tiles.first().is_none_or(|tile| has_none(&lock(tile))) {
-            return Ok(Estimates::default());
-        }
+        // Where time has ended a pass, some pixels may have too few samples; the others are not asked then.
+        let measures = if self.has_no_estimate() { &[] } else { measures };
         let [is_relative, is_displayed] = ErrorMeasure::ALL.map(|measure| measures.contains(&measure));
         let reference = if is_relative { Some(Reference::new(self, parallel)?) } else { None };
         let (film, cancel) = (self.handle(), parallel.token());
         let rows = parallel.map(self.tile_rows(), move |row| {
-            let [mut relative, mut displayed] = [Terms::default(); 2];
+            let ([mut relative, mut displayed], mut counts) = ([Terms::default(); 2], CountSums::default());
             film.for_each_of_row(row, &cancel, |place, pixel, beside| {
+                counts.add(pixel.count());
+                if reference.is_none() && !is_displayed {
+                    return;
+                }
                 let (own, squared) = (pixel.mean(film.options.weighted), film.squared_error(pixel, &beside));
                 if let Some(reference) = &reference {
                     relative.add(reference.error(row, place, own, squared));
@@ -117,26 +132,51 @@ impl Film {
                     displayed.add(PixelError { value, bound: value });
                 }
             })?;
-            Ok([relative, displayed])
+            Ok(([relative, displayed], counts))
         })?;
-        let [mut relative, mut displayed] = [Terms::default(); 2];
+        let ([mut relative, mut displayed], mut counts) = ([Terms::default(); 2], CountSums::default());
         for row in rows {
-            let [of_row, displayed_of_row]: [Terms; 2] = row?;
+            let ([of_row, displayed_of_row], counts_of_row): ([Terms; 2], CountSums) = row?;
             relative.join(of_row);
             displayed.join(displayed_of_row);
+            counts.join(counts_of_row);
         }
         // No terms have no mean.
-        Ok(Estimates { rel_mse: relative.mean(), display: displayed.mean().map(ErrorEstimate::root) })
+        Ok(Estimates {
+            rel_mse: relative.mean(),
+            display: displayed.mean().map(ErrorEstimate::root),
+            counts: Some(counts.counts()),
+        })
+    }
+
+    /// About how long [`Film::estimates`] takes on so many threads, by those of the rows of tiles at the top; `None` as long as there are
+    /// no estimates.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Cancelled`], and [`ErrorKind::OutOfMemory`].
+    pub(crate) fn time_of_estimates(
+        &self,
+        measures: &[ErrorMeasure],
+        threads: usize,
+        cancel: &Cancel,
+    ) -> Result<Option<Duration>> {
+        let [width, height] = self.options.resolution;
+        let resolution = [width, height.min(TIMED_ROWS * TILE)];
+        let top = Self { options: FilmOptions { resolution, ..self.options }, tiles: Arc::clone(&self.tiles) };
+        let start = Instant::now();
+        let found = top.estimates(measures, &mut Alone(cancel.clone()))?;
+        if found.rel_mse.is_none() && found.display.is_none() {
+            return Ok(None);
+        }
+        let turns = self.tile_rows().div_ceil(threads.max(1)) as f64;
+        Ok(Some(start.elapsed().mul_f64(turns / top.tile_rows().max(1) as f64)))
     }
 
     /// Numbers of samples over the pixels; `None` if it was cancelled before the end.
     pub(crate) fn counts_unless(&self, cancel: &Cancel) -> Option<SampleCounts> {
-        let (mut min, mut max, mut sum) = (u32::MAX, 0, 0_u64);
-        let is_whole = self.for_each_unless(cancel, |_, pixel, _| {
-            (min, max) = (min.min(pixel.count()), max.max(pixel.count()));
-            sum += u64::from(pixel.count());
-        });
-        is_whole.then(|| SampleCounts { min, mean: sum as f64 / self.pixel_count().max(1) as f64, max })
+        let mut counts = CountSums::default();
+        let is_whole = self.for_each_unless(cancel, |_, pixel, _| counts.add(pixel.count()));
+        is_whole.then(|| counts.counts())
     }
 
     /// Numbers of samples over the pixels.
@@ -208,6 +248,8 @@ pub(crate) struct Estimates {
     pub rel_mse: Option<ErrorEstimate>,
     /// See [`Film::display_error`].
     pub display: Option<ErrorEstimate>,
+    /// See [`Film::counts`].
+    pub counts: Option<SampleCounts>,
 }
 
 impl Estimates {
@@ -520,6 +562,8 @@ pub(super) mod tests {
     #[test]
     fn the_order_of_the_work_changes_no_estimate() {
         let film = empty([50, 70], false);
+        let time = |threads| film.time_of_estimates(&ErrorMeasure::ALL, threads, &Cancel::new()).unwrap();
+        assert_eq!(time(1), None, "there is nothing to estimate by");
         let mut rng = Rng::new(3, 1);
         for number in 0..film.tile_count() {
             let mut tile = film.tile(number);
@@ -533,6 +577,7 @@ pub(super) mod tests {
         }
         let alone = film.estimates(&ErrorMeasure::ALL, &mut Alone::default()).unwrap();
         assert_eq!([alone.rel_mse, alone.display], [film.rel_mse(), film.display_error()]);
+        assert!(time(1).unwrap() > Duration::ZERO && time(64).unwrap() > Duration::ZERO);
         let counts = film.own_errors(ErrorMeasure::Display, &mut Alone::default()).unwrap().0;
         film.for_each(|place, pixel, _| assert_eq!(counts[place], pixel.count()));
         let SampleCounts { min, mean, max } = film.counts();
@@ -540,6 +585,7 @@ pub(super) mod tests {
         assert_eq!(mean, counts.iter().map(|count| f64::from(*count)).sum::<f64>() / (50.0 * 70.0));
         let found = film.estimates(&ErrorMeasure::ALL, &mut Backwards).unwrap();
         assert_eq!([found.rel_mse, found.display], [alone.rel_mse, alone.display]);
+        assert_eq!([found.counts, alone.counts], [Some(film.counts()); 2]);
         // Every pixel is counted once.
         let mean = errors(&film).iter().sum::<f64>() / (50.0 * 70.0);
         let found = alone.rel_mse.unwrap().value;

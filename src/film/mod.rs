@@ -28,6 +28,7 @@ use crate::desc::MAX_PIXELS;
 use crate::error::{Error, ErrorKind, Result};
 use crate::math::Vec3;
 use crate::room::{check_room, with_room};
+use crate::rows::rows;
 use crate::spectrum::Rgb;
 
 /// Side of the square tiles that a film is divided into.
@@ -383,14 +384,15 @@ impl Film {
         self.options.resolution[0] as usize * self.options.resolution[1] as usize
     }
 
-    /// The same as [`Film::develop`], with an error where there is no memory for the image.
+    /// The same as [`Film::develop`], by at most so many threads that end with it, and with an error where there is no memory for the
+    /// image.
     ///
     /// # Errors
     /// [`ErrorKind::OutOfMemory`].
-    pub fn try_develop(&self) -> Result<Image> {
+    pub fn try_develop(&self, threads: usize) -> Result<Image> {
         // All layers that there can be have less than 30 channels. Zeros that are not written take no memory.
         check_room(30 * size_of::<f32>() * self.pixel_count())?;
-        Ok(self.develop())
+        Ok(self.develop_by(threads))
     }
 
     /// The current image: means of the samples, black where there are none.
@@ -398,6 +400,10 @@ impl Film {
     /// Layers: `samples`, `variance` (of the pixel's mean; NaN where there are fewer than four replicates), and with
     /// auxiliary data `albedo`, `normal` and `depth`. With parts of the light `emission`, `direct` and `indirect`.
     pub fn develop(&self) -> Image {
+        self.develop_by(1)
+    }
+
+    fn develop_by(&self, threads: usize) -> Image {
         let [width, height] = self.options.resolution;
         let mut kinds = vec![("samples", LayerKind::Samples), ("variance", LayerKind::Variance)];
         if self.options.auxiliary {
@@ -417,14 +423,30 @@ impl Film {
             Layer { name: name.to_owned(), channels, data: room(channels) }
         };
         let (mut rgb, mut layers) = (room(3), kinds.iter().map(empty).collect::<Vec<_>>());
-        self.for_each(|place, pixel, extras| {
-            if let Some(out) = rgb.get_mut(3 * place..3 * place + 3) {
-                out.copy_from_slice(&pixel.mean(self.options.weighted));
+        {
+            // What a row of tiles shows: its colours, and its values of each layer.
+            let row = |channels: usize| (channels * TILE as usize * width as usize).max(1);
+            let mut parts: Vec<_> = rgb.chunks_mut(row(3)).map(|rgb| (rgb, Vec::new())).collect();
+            for Layer { channels, data, .. } in &mut layers {
+                parts.iter_mut().zip(data.chunks_mut(row(*channels))).for_each(|((_, all), part)| all.push(part));
             }
-            for ((_, kind), layer) in kinds.iter().zip(&mut layers) {
-                write_pixel(*kind, &self.options, place, pixel, extras, &mut layer.data);
-            }
-        });
+            let parts: Vec<_> = parts.into_iter().map(Mutex::new).collect();
+            rows(parts.len() as u32, threads, |number| {
+                let (rgb, layers) = &mut *parts[number as usize].lock().unwrap_or_else(PoisonError::into_inner);
+                let first = self.places_of_row(number as usize).start;
+                self.for_each_of_row(number as usize, &Cancel::new(), |place, pixel, extras| {
+                    let place = place - first;
+                    if let Some(out) = rgb.get_mut(3 * place..3 * place + 3) {
+                        out.copy_from_slice(&pixel.mean(self.options.weighted));
+                    }
+                    for ((_, kind), layer) in kinds.iter().zip(layers.iter_mut()) {
+                        write_pixel(*kind, &self.options, place, pixel, extras, layer);
+                    }
+                })
+                // It is not cancelled.
+                .is_ok()
+            });
+        }
         Image { width, height, rgb, layers, placement: self.options.placement }
     }
 

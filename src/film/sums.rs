@@ -1,6 +1,6 @@
 //! Sums over the pixels of a film, from which the film's error follows.
 
-use super::error::ErrorEstimate;
+use super::error::{ErrorEstimate, SampleCounts};
 
 /// What a pixel adds to the error of an image.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,6 +43,43 @@ impl Terms {
         let standard_error =
             if self.count > 1.0 { (scatter / (self.count * (self.count - 1.0))).sqrt() } else { value };
         value.is_finite().then_some(ErrorEstimate { value, standard_error })
+    }
+}
+
+/// Numbers of samples over pixels.
+#[derive(Clone, Copy)]
+pub(super) struct CountSums {
+    min: u32,
+    max: u32,
+    sum: u64,
+    pixels: u64,
+}
+
+impl Default for CountSums {
+    fn default() -> Self {
+        Self { min: u32::MAX, max: 0, sum: 0, pixels: 0 }
+    }
+}
+
+impl CountSums {
+    /// Adds a pixel with its number of samples.
+    #[inline]
+    pub fn add(&mut self, count: u32) {
+        (self.min, self.max) = (self.min.min(count), self.max.max(count));
+        self.sum += u64::from(count);
+        self.pixels += 1;
+    }
+
+    /// Adds the numbers of other pixels.
+    pub fn join(&mut self, other: Self) {
+        (self.min, self.max) = (self.min.min(other.min), self.max.max(other.max));
+        self.sum += other.sum;
+        self.pixels += other.pixels;
+    }
+
+    /// Smallest and greatest number, and the mean.
+    pub fn counts(&self) -> SampleCounts {
+        SampleCounts { min: self.min, mean: self.sum as f64 / self.pixels.max(1) as f64, max: self.max }
     }
 }
 

@@ -66,8 +66,8 @@ pub struct WriteOptions {
     pub comments: String,
     /// Further attributes of an EXR by name, such as [`summary_attributes`]; those that are not finite are left out.
     pub attributes: Vec<(String, Attribute)>,
-    /// Threads that compress an EXR, the calling one among them, 64 at most; 0 means one per core. The others have ended
-    /// when the image is written. The file does not depend on it.
+    /// Threads that compress an EXR or make the values of a PNG, the calling one among them, 64 at most; 0 means one per core. The
+    /// others have ended when the image is written. The file does not depend on it.
     pub threads: usize,
 }
 
@@ -112,7 +112,7 @@ pub fn write(image: &Image, path: &Path, options: &WriteOptions) -> Result<()> {
         }
         Format::Pfm => pfm::encode(image, file),
         Format::Png => {
-            let pixels = to_srgb8(image, options.tone_map, options.exposure)?;
+            let pixels = tone::to_srgb8_by(threads, image, options.tone_map, options.exposure)?;
             png::encode(&pixels, [image.width, image.height], file)
         }
     })

@@ -1,6 +1,7 @@
 //! From scene-linear radiance to 8-bit sRGB.
 
 use crate::film::Image;
+use crate::rows::rows;
 use crate::spectrum::srgb_encode;
 use crate::{Error, ErrorKind, Result};
 
@@ -64,13 +65,20 @@ impl ToneMap {
 ///
 /// Errors: [`ErrorKind::InvalidScene`] for an exposure out of its domain.
 pub fn to_srgb8(image: &Image, tone_map: ToneMap, exposure: f32) -> Result<Vec<u8>> {
+    to_srgb8_by(1, image, tone_map, exposure)
+}
+
+/// [`to_srgb8`] by at most so many threads.
+pub(super) fn to_srgb8_by(threads: usize, image: &Image, tone_map: ToneMap, exposure: f32) -> Result<Vec<u8>> {
     check_exposure(exposure)?;
     let scale = tone_map.scale(image, exposure);
     let quantise = |&value: &f32| {
         let display = tone_map.curve(f64::from(value) * scale);
         (255.0 * srgb_encode(display as f32)).round() as u8
     };
-    Ok(image.rgb.iter().map(quantise).collect())
+    let parts: Vec<_> = image.rgb.chunks((3 * image.width as usize).max(1)).collect();
+    let row = |y: u32| parts[y as usize].iter().map(quantise).collect::<Vec<u8>>();
+    Ok(rows(parts.len() as u32, threads, row).concat())
 }
 
 /// Refuses an exposure out of its domain.

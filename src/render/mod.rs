@@ -80,6 +80,10 @@ pub use workers::{MAX_THREADS, Workers};
 /// are not known in advance.
 const SOLUTION_FRACTION: f64 = 0.5;
 
+/// Fraction of a time limit after which it is found out how long the estimates of errors will take. Pixels of unknown mean take
+/// longest, and become fewer.
+const TIME_BEFORE_ERRORS: f64 = 0.25;
+
 /// Smallest number of pixels for a note that few pixels have most of the error, as they always have in smaller images.
 const MIN_PIXELS_FOR_TAIL_NOTE: u64 = 64;
 
@@ -155,6 +159,8 @@ pub struct Render {
     decision: u32,
     /// The goals of the pixels until the next decision, where the pixels have different goals.
     stage: Option<Arc<Stage>>,
+    /// How long the errors of the film will take at the end, where a time limit asks for it and once it is known.
+    time_of_errors: Option<Duration>,
     /// Whether the render is adaptive. The error says why it is not, where the settings ask for adaptive sampling.
     adaptive: std::result::Result<bool, &'static str>,
     rays: u64,
@@ -285,6 +291,7 @@ impl Render {
             samples: 0,
             decision: 0,
             stage: None,
+            time_of_errors: None,
             adaptive,
             rays: 0,
             earlier_rays: 0,
@@ -330,6 +337,7 @@ impl Render {
         let is_first_run = self.samples == 0;
         let mut passes = 0;
         let mut schedule = Schedule::new(&self.settings, self.film.options().share, self.adaptive == Ok(true));
+        schedule.leave(self.time_left_for_errors());
         if self.wants_solution() {
             schedule.preparation = SOLUTION_FRACTION;
         }
@@ -384,6 +392,7 @@ impl Render {
                 keeper.keep(|| self.state(), false);
             }
             passes += 1;
+            self.leave_time_for_errors(&mut schedule, start.elapsed())?;
             let image = || self.film.develop();
             let done = f64::from(self.samples);
             let report = schedule.progress(self.samples, done, self.rays, start.elapsed(), Some(&image));
@@ -438,6 +447,30 @@ impl Render {
         Ok(true)
     }
 
+    /// When time ends a run that began at `start`; never before every pixel has one sample.
+    fn deadline(&self, start: Instant) -> Option<Instant> {
+        let limit = self.settings.time_limit.filter(|_| self.samples > 0)?;
+        start.checked_add(limit.saturating_sub(self.time_left_for_errors()))
+    }
+
+    /// The part of a time limit that the estimates of errors have: a quarter at most.
+    fn time_left_for_errors(&self) -> Duration {
+        let most = self.settings.time_limit.unwrap_or_default() / 4;
+        self.time_of_errors.unwrap_or_default().min(most)
+    }
+
+    /// Finds once, when a part of the time is over, how long the estimates of the errors will take that end the render.
+    fn leave_time_for_errors(&mut self, schedule: &mut Schedule, elapsed: Duration) -> Result<()> {
+        let is_due = |limit: Duration| elapsed >= limit.mul_f64(TIME_BEFORE_ERRORS);
+        if self.time_of_errors.is_none() && self.settings.time_limit.is_some_and(is_due) {
+            let (threads, cancel) = (self.workers.threads(), &self.settings.cancel);
+            let time = unless_cancelled(self.film.time_of_estimates(&ErrorMeasure::ALL, threads, cancel))?;
+            self.time_of_errors = time.flatten();
+            schedule.leave(self.time_left_for_errors());
+        }
+        Ok(())
+    }
+
     /// Estimates of the film's errors in these measures.
     fn estimates(&self, measures: &[ErrorMeasure]) -> Result<Estimates> {
         let cancel = &self.settings.cancel;
@@ -485,7 +518,6 @@ impl Render {
             let light = self.light_paths.clone().map(|paths| Light { paths, pictures: LightPictures::default() });
             (PassInput { light, ..self.pass_input() }, open)
         });
-        let limit = self.settings.time_limit.filter(|_| self.samples > 0);
         let (samples, rays) = (self.samples, self.rays);
         let mut callback = |fraction| {
             if wants_solution {
@@ -494,7 +526,7 @@ impl Render {
             let report = schedule.progress(samples, f64::from(samples), rays, start.elapsed(), None);
             progress(&report).is_break()
         };
-        let deadline = limit.and_then(|limit| start.checked_add(limit));
+        let deadline = self.deadline(start);
         let extent = self.extent(start);
         let mut pool = WorkerPool::new(&self.workers, &self.settings.cancel, deadline, &mut callback);
         let time_left = self.settings.time_limit.map(|limit| limit.saturating_sub(start.elapsed()));
@@ -608,9 +640,7 @@ impl Render {
         mut crew: Option<&mut Crew>,
         progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
     ) -> Result<Option<Ended>> {
-        // The time limit does not apply before every pixel has one sample.
-        let limit = self.settings.time_limit.filter(|_| self.samples > 0);
-        let deadline = limit.and_then(|limit| start.checked_add(limit));
+        let deadline = self.deadline(start);
         let input = self.pass_input();
         let mut pass = Pass::new(input.clone(), self.samples + count, deadline, self.settings.cancel.clone());
         pass.goals = self.stage.as_ref().map(|stage| stage.goals(self.samples + count));
@@ -736,7 +766,7 @@ impl Render {
             notes.push(format!("{non_finite} samples were NaN or infinite and count as black{first}"));
         }
         // The picture is not lost with its error.
-        let Estimates { rel_mse, display } = self.estimates(&ErrorMeasure::ALL).unwrap_or_default();
+        let Estimates { rel_mse, display, counts } = self.estimates(&ErrorMeasure::ALL).unwrap_or_default();
         let pixels = self.film.options().resolution.map(u64::from).into_iter().product::<u64>();
         if pixels >= MIN_PIXELS_FOR_TAIL_NOTE && rel_mse.is_some_and(|error| error.is_heavy_tailed()) {
             notes.push(
@@ -747,7 +777,8 @@ impl Render {
         Summary {
             elapsed,
             samples: self.samples,
-            sample_counts: self.film.counts_unless(&self.settings.cancel),
+            // They need no memory.
+            sample_counts: counts.or_else(|| self.film.counts_unless(&self.settings.cancel)),
             integrator: match self.integrator() {
                 IntegratorDesc::Radiosity => IntegratorDesc::Radiosity,
                 _ if self.method.is_of_places() => IntegratorDesc::Path,

@@ -41,7 +41,7 @@ pub enum Ended {
 /// The summary of a render.
 #[derive(Clone, Debug, Default)]
 pub struct Summary {
-    /// Time that [`Render::run`](super::Render::run) took.
+    /// Time that [`Render::run`](super::Render::run) took, but for the estimates of errors at its end.
     pub elapsed: Duration,
     /// Number of complete samples per pixel; the mean over pixels where the numbers differ.
     pub samples: u32,

@@ -96,6 +96,11 @@ impl Schedule {
         self.growth = 7;
     }
 
+    /// Leaves this much of the time limit to what follows the samples.
+    pub(super) fn leave(&mut self, time: Duration) {
+        self.time_limit = self.time_limit.map(|limit| limit.saturating_sub(time));
+    }
+
     /// Greatest number of samples per pixel.
     pub(super) fn total(&self) -> u32 {
         self.samples
@@ -255,6 +260,12 @@ mod tests {
         // At most half of the time that is left.
         assert_eq!(timed.next_pass(1000, Duration::from_secs(20), 1 << 20), 1000);
         assert_eq!(timed.next_pass(1000, Duration::from_secs(50), 1 << 20), 100);
+        // What follows the samples has its part of the time.
+        let ends_at = |timed: &Schedule, seconds| timed.ended(1000, Duration::from_secs(seconds), None).is_some();
+        assert!(!ends_at(&timed, 59) && ends_at(&timed, 60));
+        timed.leave(Duration::from_secs(4));
+        assert!(!ends_at(&timed, 55) && ends_at(&timed, 56));
+        assert_eq!(timed.next_pass(1000, Duration::from_secs(46), 1 << 20), 108);
     }
 
     #[test]

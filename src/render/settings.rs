@@ -20,10 +20,12 @@ pub struct RenderSettings {
     pub threads: usize,
     /// The workers of the render. With `None` the render starts a pool of its own.
     pub workers: Option<Workers>,
-    /// The render ends after this time, in the middle of a pass and of the photon maps for it too. It does not apply before every
-    /// pixel has one sample: these samples, and the photon maps or the irradiance cache that they need, take the time that they take, and
-    /// a note of the summary says so. A radiosity solution is less accurate where there is no time for more, and a note says that; its
-    /// first links, a fixed number of iterations, and that of a share or of light at given places take the time that they take. For a render that only time limits, set the number of samples to [`MOST_SAMPLES`](super::MOST_SAMPLES).
+    /// The render ends after this time, in which its errors are estimated too, in the middle of a pass and of the photon maps for
+    /// it. It does not apply before every pixel has one sample: these samples, and the photon maps or the irradiance cache that they
+    /// need, take the time that they take, and a note of the summary says so. A radiosity solution is less accurate where there is no
+    /// time for more, and a note says that; its first links, a fixed number of iterations, and that of a share or of light at given
+    /// places take the time that they take. For a render that only time limits, set the number of samples to
+    /// [`MOST_SAMPLES`](super::MOST_SAMPLES).
     pub time_limit: Option<Duration>,
     /// The target error, finite and > 0. The render ends when the estimated error plus a quarter of the estimate's standard
     /// error is at most the target error, but not before 32 samples per pixel, and not while few pixels have most of the

@@ -347,8 +347,7 @@ impl Render {
             _ => paths,
         };
         self.light_pictures = None;
-        let limit = self.settings.time_limit.filter(|_| self.samples > 0);
-        let deadline = limit.and_then(|limit| start.checked_add(limit));
+        let deadline = self.deadline(start);
         let (samples, rays) = (self.samples, self.rays);
         let mut callback = |_| {
             let report = schedule.progress(samples, f64::from(samples), rays, start.elapsed(), None);

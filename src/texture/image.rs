@@ -4,10 +4,10 @@ use std::ops::RangeInclusive;
 use std::sync::{Arc, LazyLock};
 
 use super::pyramid::{Pyramid, wrapped};
-use super::rows::rows;
 use super::slopes::SlopesOf;
 use super::texels::{ColorSpace, TexelImage};
 use super::{Texel, TextureFilter, TexturePoint, Wrap};
+use crate::rows::rows;
 
 /// Most times that the longer axis of a footprint may be the shorter one; beyond, the shorter one is widened, which blurs and bounds
 /// the texels of a lookup.

@@ -1,8 +1,8 @@
 //! Smaller and smaller images of an image, each half the size of the one before: its mean is the same at every level.
 
-use super::rows::rows;
 use super::texels::{ColorSpace, TexelFormat, TexelImage};
 use super::{Texel, Wrap};
+use crate::rows::rows;
 
 /// The levels above an image, in linear light. Those of integer images have 16 bits a channel, the others single precision.
 #[derive(Clone, Debug)]

@@ -178,10 +178,11 @@ pub struct etd_render_options {
     pub shadow_rays: u32,
     /// Seed of all random numbers. The same seed gives the same image on any number of threads.
     pub seed: u64,
-    /// Time limit in seconds, > 0; 0: no limit. It ends the render in the middle of a pass, and of shooting photons for it. One
-    /// sample per pixel is always taken, with the photon maps or the irradiance cache that it needs; a render that takes longer than
-    /// its limit for that logs a warning. A radiosity solution is less accurate where time is short, which is logged as well; its first
-    /// links, a fixed number of iterations, and that of a share of the picture take the time that they take.
+    /// Time limit in seconds, > 0; 0: no limit. It ends the render, with its estimates of errors, in the middle of a pass, and of
+    /// shooting photons for it. One sample per pixel is always taken, with the photon maps or the irradiance cache that it needs; a
+    /// render that takes longer than its limit for that logs a warning. A radiosity solution is less accurate where time is short,
+    /// which is logged as well; its first links, a fixed number of iterations, and that of a share of the picture take the time that
+    /// they take.
     pub time_limit: f64,
     /// Target error in the measure `error_measure`, > 0; 0: none. It is reached when the estimated error plus a quarter of the
     /// estimate's standard error is at most the target, but not before 32 samples per pixel, and not while few pixels have most
@@ -396,7 +397,7 @@ pub enum etd_ended {
 pub struct etd_summary {
     /// `sizeof(etd_summary)`.
     pub struct_size: usize,
-    /// Seconds that the render took, without the build of the scene.
+    /// Seconds that the render took, without the build of the scene and the estimates of errors at its end.
     pub elapsed: f64,
     /// Seconds that the build of the scene took before the render; 0 if the scene was already built.
     pub build_time: f64,

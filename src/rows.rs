@@ -16,7 +16,7 @@ pub(crate) fn rows<T: Send>(height: u32, threads: usize, row: impl Fn(u32) -> T 
     let part = &part;
     thread::scope(|scope| {
         let start =
-            |i: u32| thread::Builder::new().name("etendue-texture".to_owned()).spawn_scoped(scope, move || part(i));
+            |i: u32| thread::Builder::new().name("etendue-rows".to_owned()).spawn_scoped(scope, move || part(i));
         let started: Vec<_> = (1..parts).map(|i| (i, start(i))).collect();
         let mut all = part(0);
         for (i, thread) in started {
