@@ -46,14 +46,13 @@ NATIVE=$RELEASE/etendue.native-static-libs
 STAGE=$RELEASE/install
 
 build() {
-    # Further features, which `make test` builds everything with. The flags fall apart into words.
+    # Features of the program, which `make test` builds with all. The flags fall apart into words.
     # shellcheck disable=SC2086
     "$CARGO" build --release --locked ${ETENDUE_FEATURES:-} --example etendue
     mkdir -p "$RELEASE"
     # Not crate types of the package: a library that is an rlib too would be left out of link-time optimisation, and every
     # plain build would link it.
-    # shellcheck disable=SC2086
-    "$CARGO" rustc --release --locked --lib --features capi ${ETENDUE_FEATURES:-} --crate-type cdylib,staticlib -- \
+    "$CARGO" rustc --release --locked --lib --features capi --crate-type cdylib,staticlib -- \
         -C "link-arg=-Wl,-soname,libetendue.so.$ABI" --print "native-static-libs=$NATIVE"
 }
 

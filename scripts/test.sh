@@ -6,12 +6,13 @@ cd "$(dirname "$0")/.."
 step() { printf '\n== %s\n' "$*"; }
 
 # One build serves lints, tests and what is installed: a release's, with every check of arithmetic left on, which costs the tests no
-# time, and without link-time optimisation, which takes most of the time of a build. It has a folder of its own. With ETENDUE_LTO set,
-# as it is to be before a release, what is installed is built and tried as it is released.
+# time, optimised as in development, and without link-time optimisation, which takes most of the time of a build. It has a folder of its
+# own. With ETENDUE_LTO set, as it is to be before a release, what is installed is built and tried as it is released.
 folder=${CARGO_TARGET_DIR:-$PWD/target}/checked
 checked() {
     env CARGO_TARGET_DIR="$folder" CARGO_PROFILE_RELEASE_DEBUG_ASSERTIONS=true CARGO_PROFILE_RELEASE_OVERFLOW_CHECKS=true \
-        CARGO_PROFILE_RELEASE_DEBUG=none CARGO_PROFILE_RELEASE_LTO=off ETENDUE_FEATURES=--all-features "$@"
+        CARGO_PROFILE_RELEASE_DEBUG=none CARGO_PROFILE_RELEASE_OPT_LEVEL=2 CARGO_PROFILE_RELEASE_LTO=off \
+        ETENDUE_FEATURES=--all-features "$@"
 }
 installed() {
     if [ -n "${ETENDUE_LTO:-}" ]; then "$@"; else checked "$@"; fi
@@ -31,9 +32,8 @@ cargo fmt --all --check
 
 step "lints"
 checked cargo clippy --release --locked --all-targets --all-features -- -D warnings
-# As people build the program and the libraries for C.
+# As people build the program. The libraries for C are built below as people build them.
 checked cargo clippy --release --locked --lib --example etendue -- -D warnings
-checked cargo clippy --release --locked --lib --features capi -- -D warnings
 
 step "tests"
 # The libraries for C are built beside the first tests. Until the tests are built, that waits for its turn.

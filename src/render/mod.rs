@@ -392,7 +392,7 @@ impl Render {
                 keeper.keep(|| self.state(), false);
             }
             passes += 1;
-            self.leave_time_for_errors(&mut schedule, start.elapsed())?;
+            self.leave_time_for_errors(&mut schedule, start.elapsed());
             let image = || self.film.develop();
             let done = f64::from(self.samples);
             let report = schedule.progress(self.samples, done, self.rays, start.elapsed(), Some(&image));
@@ -460,15 +460,14 @@ impl Render {
     }
 
     /// Finds once, when a part of the time is over, how long the estimates of the errors will take that end the render.
-    fn leave_time_for_errors(&mut self, schedule: &mut Schedule, elapsed: Duration) -> Result<()> {
+    fn leave_time_for_errors(&mut self, schedule: &mut Schedule, elapsed: Duration) {
         let is_due = |limit: Duration| elapsed >= limit.mul_f64(TIME_BEFORE_ERRORS);
         if self.time_of_errors.is_none() && self.settings.time_limit.is_some_and(is_due) {
             let (threads, cancel) = (self.workers.threads(), &self.settings.cancel);
-            let time = unless_cancelled(self.film.time_of_estimates(&ErrorMeasure::ALL, threads, cancel))?;
-            self.time_of_errors = time.flatten();
+            // What fails here, as by a lack of memory, may be there at the end.
+            self.time_of_errors = self.film.time_of_estimates(&ErrorMeasure::ALL, threads, cancel).ok().flatten();
             schedule.leave(self.time_left_for_errors());
         }
-        Ok(())
     }
 
     /// Estimates of the film's errors in these measures.
