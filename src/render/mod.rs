@@ -337,7 +337,7 @@ impl Render {
         let is_first_run = self.samples == 0;
         let mut passes = 0;
         let mut schedule = Schedule::new(&self.settings, self.film.options().share, self.adaptive == Ok(true));
-        schedule.leave(self.time_left_for_errors());
+        schedule.set_time_limit(self.time_of_samples());
         if self.wants_solution() {
             schedule.preparation = SOLUTION_FRACTION;
         }
@@ -449,14 +449,14 @@ impl Render {
 
     /// When time ends a run that began at `start`; never before every pixel has one sample.
     fn deadline(&self, start: Instant) -> Option<Instant> {
-        let limit = self.settings.time_limit.filter(|_| self.samples > 0)?;
-        start.checked_add(limit.saturating_sub(self.time_left_for_errors()))
+        let limit = self.time_of_samples().filter(|_| self.samples > 0)?;
+        start.checked_add(limit)
     }
 
-    /// The part of a time limit that the estimates of errors have: a quarter at most.
-    fn time_left_for_errors(&self) -> Duration {
-        let most = self.settings.time_limit.unwrap_or_default() / 4;
-        self.time_of_errors.unwrap_or_default().min(most)
+    /// The time limit without what the estimates of errors have of it: a quarter at most.
+    fn time_of_samples(&self) -> Option<Duration> {
+        let limit = self.settings.time_limit?;
+        Some(limit - self.time_of_errors.unwrap_or_default().min(limit / 4))
     }
 
     /// Finds once, when a part of the time is over, how long the estimates of the errors will take that end the render.
@@ -466,7 +466,7 @@ impl Render {
             let (threads, cancel) = (self.workers.threads(), &self.settings.cancel);
             // What fails here, as by a lack of memory, may be there at the end.
             self.time_of_errors = self.film.time_of_estimates(&ErrorMeasure::ALL, threads, cancel).ok().flatten();
-            schedule.leave(self.time_left_for_errors());
+            schedule.set_time_limit(self.time_of_samples());
         }
     }
 

@@ -96,9 +96,9 @@ impl Schedule {
         self.growth = 7;
     }
 
-    /// Leaves this much of the time limit to what follows the samples.
-    pub(super) fn leave(&mut self, time: Duration) {
-        self.time_limit = self.time_limit.map(|limit| limit.saturating_sub(time));
+    /// Sets the time limit of the samples, which leaves some of the render's to what follows them.
+    pub(super) fn set_time_limit(&mut self, limit: Option<Duration>) {
+        self.time_limit = limit;
     }
 
     /// Greatest number of samples per pixel.
@@ -263,7 +263,7 @@ mod tests {
         // What follows the samples has its part of the time.
         let ends_at = |timed: &Schedule, seconds| timed.ended(1000, Duration::from_secs(seconds), None).is_some();
         assert!(!ends_at(&timed, 59) && ends_at(&timed, 60));
-        timed.leave(Duration::from_secs(4));
+        timed.set_time_limit(Some(Duration::from_secs(56)));
         assert!(!ends_at(&timed, 55) && ends_at(&timed, 56));
         assert_eq!(timed.next_pass(1000, Duration::from_secs(46), 1 << 20), 108);
     }
