@@ -101,69 +101,94 @@ fn device() -> Device {
     Device::new(&DeviceOptions::default()).unwrap()
 }
 
-/// Runs `build`, cancelled after `delay`; how long it went on after that, `None` if it was done before.
-fn cancelled(delay: Duration, build: impl FnOnce(Cancel) -> etendue::Result<Scene>) -> Option<Duration> {
+/// Runs `build`, which is told to stop after `delay`; whether it was not done before.
+fn cancelled(delay: Duration, build: impl FnOnce(Cancel) -> etendue::Result<Scene>) -> bool {
     let cancel = Cancel::new();
-    let at = Mutex::new(None);
-    let (result, end) = std::thread::scope(|scope| {
+    let result = std::thread::scope(|scope| {
         scope.spawn(|| {
             std::thread::sleep(delay);
-            let mut at = at.lock().unwrap();
             cancel.cancel();
-            *at = Some(Instant::now());
         });
-        let result = build(cancel.clone());
-        (result, Instant::now())
+        build(cancel.clone())
     });
     match result {
-        Ok(_) => None,
+        Ok(_) => false,
         Err(error) => {
             assert_eq!(error.kind(), ErrorKind::Cancelled, "{error}");
-            Some(end.saturating_duration_since(at.into_inner().unwrap().unwrap()))
+            true
         }
     }
 }
 
-/// How long a build of about `triangles` goes on after being told to stop, at moments spread over all of it.
-fn latencies(n: usize, moments: u32) -> Vec<Duration> {
-    let device = device();
-    let mut all = Vec::new();
-    for (what, desc, dynamic) in flavours(n) {
-        let options =
-            |cancel| BuildOptions { device: Some(device.clone()), dynamic, cancel, ..BuildOptions::default() };
-        let start = Instant::now();
-        drop(Scene::build(&desc, &options(Cancel::new())).unwrap());
-        let full = start.elapsed();
-        let mut some: Vec<Duration> = (0..moments)
-            .filter_map(|i| {
-                let delay = full.mul_f64((f64::from(i) + 0.5) / f64::from(moments));
-                let latency = cancelled(delay, |cancel| Scene::build(&desc, &options(cancel)));
-                device.wait_idle();
-                assert_eq!(device.memory_bytes(), 0, "{what}: a cancelled build leaks");
-                latency
-            })
-            .collect();
-        some.sort();
-        assert!(some.len() as u32 >= moments / 4, "{what}: only {} builds were cancelled", some.len());
-        println!(
-            "{what}: full build {full:.1?}; {} cancelled, median {:.2?}, largest {:.2?}",
-            some.len(),
-            some[some.len() / 2],
-            some[some.len() - 1]
-        );
-        all.extend(some);
-    }
-    all.sort();
-    all
+/// Progress of a build that is cancelled by its own reports.
+struct Stopped {
+    /// The fraction that was done when it was told to stop, and that of the last report.
+    fractions: [f64; 2],
+    /// How long it went on after that.
+    latency: Duration,
 }
 
+/// Runs `build`, which is told to stop by its first report of at least `at`; that must not be its last one.
+fn stopped(at: f64, options: BuildOptions, build: impl FnOnce(&BuildOptions) -> etendue::Result<Scene>) -> Stopped {
+    let cancel = Cancel::new();
+    let told = Arc::new(Mutex::new(None));
+    let progress = {
+        let (cancel, told) = (cancel.clone(), Arc::clone(&told));
+        Arc::new(move |fraction: f64| {
+            let mut told = told.lock().unwrap();
+            match &mut *told {
+                Some((_, _, last)) => *last = fraction,
+                None if fraction >= at => {
+                    cancel.cancel();
+                    *told = Some((Instant::now(), fraction, fraction));
+                }
+                None => {}
+            }
+        })
+    };
+    let result = build(&BuildOptions { progress: Some(progress), cancel, ..options });
+    let end = Instant::now();
+    assert_eq!(result.err().map(|error| error.kind()), Some(ErrorKind::Cancelled), "told at {at}");
+    let (since, from, to) = told.lock().unwrap().expect("a report");
+    Stopped { fractions: [from, to], latency: end.saturating_duration_since(since) }
+}
+
+/// A build that is told to stop makes no more than a few steps, wherever that is: reports come every 1 / 512 of the work where there are
+/// any.
 #[test]
 fn a_build_stops_soon_in_every_phase() {
-    let latencies = latencies(708, 12);
-    let (median, nearly_all) = (latencies[latencies.len() / 2], latencies[latencies.len() * 95 / 100]);
-    // Generous: the machine may be busy with other things. A full build takes 200 to 700 ms.
-    assert!(median < Duration::from_millis(30), "{median:?}");
-    assert!(nearly_all < Duration::from_millis(100), "{nearly_all:?}");
+    const MOMENTS: u32 = 12;
+    const TRIES: usize = 5;
+    let device = device();
+    for (what, desc, dynamic) in flavours(708) {
+        let options = || BuildOptions { device: Some(device.clone()), dynamic, ..BuildOptions::default() };
+        let start = Instant::now();
+        drop(Scene::build(&desc, &options()).unwrap());
+        let full = start.elapsed();
+        let mut latencies: Vec<Duration> = (0..MOMENTS)
+            .map(|moment| {
+                let at = f64::from(moment) / f64::from(MOMENTS);
+                let mut least = Duration::MAX;
+                // Whatever else the machine does, one of a few tries is held up by the build alone.
+                for _ in 0..TRIES {
+                    let Stopped { fractions: [from, to], latency } =
+                        stopped(at, options(), |it| Scene::build(&desc, it));
+                    device.wait_idle();
+                    assert_eq!(device.memory_bytes(), 0, "{what}: a cancelled build leaks");
+                    assert!(to < from + 0.05, "{what}: told to stop at {from}, it went on to {to}");
+                    least = least.min(latency);
+                    if least < full / 20 {
+                        break;
+                    }
+                }
+                assert!(least < full / 8, "{what}: told to stop at {at} of {full:?}, it went on for {least:?}");
+                least
+            })
+            .collect();
+        latencies.sort();
+        let (median, largest) = (latencies[latencies.len() / 2], latencies[latencies.len() - 1]);
+        println!("{what}: full build {full:.1?}; cancelled, median {median:.2?}, largest {largest:.2?}");
+    }
 }
 
 #[test]
@@ -176,17 +201,11 @@ fn a_rebuild_that_was_cancelled_works_the_next_time() {
     let bytes = device.memory_bytes();
     let mut edited = desc.clone();
     Arc::make_mut(&mut edited.meshes[0]).positions.iter_mut().for_each(|p| p.z *= 2.0);
-    let start = Instant::now();
-    drop(scene.rebuild(&edited, &options(Cancel::new())).unwrap());
-    let full = start.elapsed();
-    let mut stopped = 0;
-    for i in 0..60 {
-        let delay = full.mul_f64(f64::from(i) / 60.0);
-        stopped += usize::from(cancelled(delay, |cancel| scene.rebuild(&edited, &options(cancel))).is_some());
+    for moment in 0..18 {
+        stopped(f64::from(moment) / 20.0, options(Cancel::new()), |it| scene.rebuild(&edited, it));
         device.wait_idle();
         assert_eq!(device.memory_bytes(), bytes, "a cancelled rebuild leaks");
     }
-    assert!(stopped >= 15, "only {stopped} were cancelled");
     // Told beforehand.
     let cancel = Cancel::new();
     cancel.cancel();
@@ -200,7 +219,8 @@ fn a_rebuild_that_was_cancelled_works_the_next_time() {
 fn a_build_that_waits_for_the_device_can_be_cancelled() {
     let device = device();
     let (large, small) = (scene(sheet(708), false, None), scene(sheet(4), false, None));
-    // Until a build under way holds the device for longer than the other waits, which the first try does as a rule.
+    // Until a build under way holds the device for longer than the other waits, which the first try does as a rule. One that waited for
+    // the device would never find it held.
     let waited = (0..10).any(|_| {
         let (told, hears) = std::sync::mpsc::channel();
         let told = Mutex::new(Some(told));
@@ -222,15 +242,12 @@ fn a_build_that_waits_for_the_device_can_be_cancelled() {
         std::thread::scope(|scope| {
             let large = scope.spawn(|| Scene::build(&large, &options));
             hears.recv().unwrap();
-            let latency = cancelled(Duration::from_millis(5), |cancel| {
+            let is_cancelled = cancelled(Duration::from_millis(5), |cancel| {
                 Scene::build(&small, &BuildOptions { device: Some(device.clone()), cancel, ..BuildOptions::default() })
             });
             let still_held = !large.is_finished();
             stop_large.cancel();
-            if let Some(latency) = latency {
-                assert!(latency < Duration::from_millis(100), "{latency:?}");
-            }
-            latency.is_some() && still_held
+            is_cancelled && still_held
         })
     });
     assert!(waited, "the device was never held long enough");

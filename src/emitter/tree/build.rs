@@ -259,7 +259,7 @@ fn build_nodes(items: &mut [BuildItem], cancel: &Cancel) -> Result<Vec<Node>> {
             above.child[parent as usize % WIDTH] = number;
         }
         let mut parts = [(0, 0); WIDTH];
-        let count = split_in_four(items, (start, end), &mut parts);
+        let count = split_in_four(items, (start, end), &mut parts, cancel)?;
         for (k, &(start, end)) in parts[..count].iter().enumerate() {
             if end - start == 1 {
                 node.child[k] = IS_EMITTER | start as u32;
@@ -273,14 +273,19 @@ fn build_nodes(items: &mut [BuildItem], cancel: &Cancel) -> Result<Vec<Node>> {
 }
 
 /// Divides a range of items into up to four parts, and returns their number.
-fn split_in_four(items: &mut [BuildItem], all: (usize, usize), parts: &mut [(usize, usize); WIDTH]) -> usize {
+fn split_in_four(
+    items: &mut [BuildItem],
+    all: (usize, usize),
+    parts: &mut [(usize, usize); WIDTH],
+    cancel: &Cancel,
+) -> Result<usize> {
     parts[0] = all;
     let mut count = 1;
     if all.1 - all.0 <= WIDTH {
         for (k, part) in parts.iter_mut().take(all.1 - all.0).enumerate() {
             *part = (all.0 + k, all.0 + k + 1);
         }
-        return all.1 - all.0;
+        return Ok(all.1 - all.0);
     }
     let mut costs = [0.0; WIDTH];
     while count < WIDTH {
@@ -292,27 +297,30 @@ fn split_in_four(items: &mut [BuildItem], all: (usize, usize), parts: &mut [(usi
             break;
         };
         let (start, end) = parts[costliest];
-        let middle = start + split(&mut items[start..end]);
+        let middle = start + split(&mut items[start..end], cancel)?;
         parts[costliest] = (start, middle);
         parts[count] = (middle, end);
         costs[costliest] = Extent::of(&items[start..middle]).cost();
         costs[count] = Extent::of(&items[middle..end]).cost();
         count += 1;
     }
-    count
+    Ok(count)
 }
 
 /// Partitions two or more items into two sides; returns the number of items on the first side.
-fn split(items: &mut [BuildItem]) -> usize {
+fn split(items: &mut [BuildItem], cancel: &Cancel) -> Result<usize> {
     let (mut min, mut max) = (Vec3::splat(f32::INFINITY), Vec3::splat(f32::NEG_INFINITY));
-    for item in &*items {
-        let centre = item.centre();
-        (min, max) = (min.min(centre), max.max(centre));
+    for block in items.chunks(EMITTERS_PER_CHECK) {
+        cancel.check()?;
+        for item in block {
+            let centre = item.centre();
+            (min, max) = (min.min(centre), max.max(centre));
+        }
     }
     let extent = max - min;
     let longest = extent.max_position();
     if items.len() == 2 || extent[longest] <= 0.0 {
-        return items.len() / 2;
+        return Ok(items.len() / 2);
     }
     let bins = BINS.min(items.len());
     // The last bin also holds the greatest. An axis of no extent has one bin, and so no split.
@@ -322,12 +330,15 @@ fn split(items: &mut [BuildItem]) -> usize {
     }));
     let bin = |item: &BuildItem| (item.centre() - min) * per_bin;
     let mut slices = [[Extent::EMPTY; BINS]; 3];
-    for item in &*items {
-        let bin = bin(item);
-        let extent = item.extent();
-        for (axis, slices) in slices.iter_mut().enumerate() {
-            let slice = &mut slices[(bin[axis] as usize).min(BINS - 1)];
-            *slice = slice.with(&extent);
+    for block in items.chunks(EMITTERS_PER_CHECK) {
+        cancel.check()?;
+        for item in block {
+            let bin = bin(item);
+            let extent = item.extent();
+            for (axis, slices) in slices.iter_mut().enumerate() {
+                let slice = &mut slices[(bin[axis] as usize).min(BINS - 1)];
+                *slice = slice.with(&extent);
+            }
         }
     }
     let mut best = (f32::INFINITY, longest, 0);
@@ -357,7 +368,7 @@ fn split(items: &mut [BuildItem]) -> usize {
             count += 1;
         }
     }
-    if count == 0 || count == items.len() { items.len() / 2 } else { count }
+    Ok(if count == 0 || count == items.len() { items.len() / 2 } else { count })
 }
 
 /// Computes bounds from the last node to the first, so that children come before their parents, and the position of
