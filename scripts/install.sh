@@ -40,19 +40,21 @@ if [ -z "$TARGET" ] && command -v "$CARGO" >/dev/null 2>&1; then
     TARGET=$("$CARGO" metadata --no-deps --format-version 1 --offline | sed -n 's/.*"target_directory":"\([^"]*\)".*/\1/p')
 fi
 RELEASE=${TARGET:-target}/release
+# The libraries as cargo names them.
+SHARED=$RELEASE/examples/libetendue_c.so
+STATIC=$RELEASE/examples/libetendue_c.a
 # What the static library needs of the system, as the compiler says.
 NATIVE=$RELEASE/etendue.native-static-libs
 # What is made here from the build: the archive that shows nothing but the interface, and files that know their place.
 STAGE=$RELEASE/install
 
 build() {
-    # Features of the program, which `make test` builds with all. The flags fall apart into words.
+    # `make test` builds the program and the libraries with all features. The flags fall apart into words.
     # shellcheck disable=SC2086
     "$CARGO" build --release --locked ${ETENDUE_FEATURES:-} --example etendue
     mkdir -p "$RELEASE"
-    # Not crate types of the package: a library that is an rlib too would be left out of link-time optimisation, and every
-    # plain build would link it.
-    "$CARGO" rustc --release --locked --lib --features capi --crate-type cdylib,staticlib -- \
+    # shellcheck disable=SC2086
+    "$CARGO" rustc --release --locked ${ETENDUE_FEATURES:---features capi} --example etendue_c -- \
         -C "link-arg=-Wl,-soname,libetendue.so.$ABI" --print "native-static-libs=$NATIVE"
 }
 
@@ -60,7 +62,7 @@ build() {
 # of any other Rust library in the same program. The groups are dissolved since a linker would take another library's
 # copy of a group and leave this one's symbols, now local, without theirs.
 archive() {
-    ld -r --force-group-allocation --whole-archive "$RELEASE/libetendue.a" -o "$STAGE/etendue.o"
+    ld -r --force-group-allocation --whole-archive "$STATIC" -o "$STAGE/etendue.o"
     objcopy --wildcard --keep-global-symbol='etd_*' --strip-debug --remove-section=.llvmbc --remove-section=.llvmcmd \
         --remove-section=.llvm_addrsig "$STAGE/etendue.o"
     rm -f "$STAGE/libetendue.a"
@@ -96,7 +98,7 @@ describe() {
 files() {
     cat <<END
 755|$RELEASE/examples/etendue|$PREFIX/bin/etendue
-755|$RELEASE/libetendue.so|$LIBDIR/libetendue.so.$VERSION
+755|$SHARED|$LIBDIR/libetendue.so.$VERSION
 link|libetendue.so.$VERSION|$LIBDIR/libetendue.so.$ABI
 link|libetendue.so.$ABI|$LIBDIR/libetendue.so
 644|$STAGE/libetendue.a|$LIBDIR/libetendue.a
@@ -142,7 +144,7 @@ refresh_loader() {
 }
 
 install_all() {
-    { [ -f "$RELEASE/libetendue.so" ] && [ -f "$NATIVE" ]; } || die "nothing was built yet: run 'make build' first"
+    { [ -f "$SHARED" ] && [ -f "$NATIVE" ]; } || die "nothing was built yet: run 'make build' first"
     mkdir -p "$STAGE"
     archive
     describe

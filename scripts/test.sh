@@ -6,40 +6,28 @@ cd "$(dirname "$0")/.."
 step() { printf '\n== %s\n' "$*"; }
 
 # One build serves lints, tests and what is installed: a release's, with every check of arithmetic left on, which costs the tests no
-# time, optimised as in development, and without link-time optimisation, which takes most of the time of a build. It has a folder of its
-# own. With ETENDUE_LTO set, as it is to be before a release, what is installed is built and tried as it is released.
+# time, optimised as in development. It has no link-time optimisation and parts of the crate are compiled by themselves, which is half of the
+# time that a release's build takes. It has a folder of its own. With ETENDUE_LTO set, as it is to be before a release, what is installed is
+# built and tried as it is released.
 folder=${CARGO_TARGET_DIR:-$PWD/target}/checked
 checked() {
     env CARGO_TARGET_DIR="$folder" CARGO_PROFILE_RELEASE_DEBUG_ASSERTIONS=true CARGO_PROFILE_RELEASE_OVERFLOW_CHECKS=true \
         CARGO_PROFILE_RELEASE_DEBUG=none CARGO_PROFILE_RELEASE_OPT_LEVEL=2 CARGO_PROFILE_RELEASE_LTO=off \
-        ETENDUE_FEATURES=--all-features "$@"
+        CARGO_PROFILE_RELEASE_CODEGEN_UNITS=16 ETENDUE_FEATURES=--all-features "$@"
 }
 installed() {
     if [ -n "${ETENDUE_LTO:-}" ]; then "$@"; else checked "$@"; fi
 }
-log=$(mktemp)
-group=$(mktemp)
-clean() {
-    [ ! -s "$group" ] || kill -- "-$(cat "$group")" 2>/dev/null || true
-    rm -f "$log" "$group"
-}
-trap clean EXIT
-trap 'exit 130' INT
-trap 'exit 143' TERM HUP
 
 step "formatting"
 cargo fmt --all --check
 
 step "lints"
 checked cargo clippy --release --locked --all-targets --all-features -- -D warnings
-# As people build the program. The libraries for C are built below as people build them.
+# As people build the program.
 checked cargo clippy --release --locked --lib --example etendue -- -D warnings
 
 step "tests"
-# The libraries for C are built beside the first tests. Until the tests are built, that waits for its turn.
-build='echo $$ >"$0"; sleep 5; exec make --no-print-directory build'
-[ -n "${ETENDUE_LTO:-}" ] || checked setsid sh -c "$build" "$group" >"$log" 2>&1 &
-optimised=$!
 checked cargo test --release --locked --all-features
 
 step "documentation"
@@ -55,10 +43,8 @@ fi
 step "faults that the accuracy suite is tried with"
 scripts/mutations.pl --check
 
-step "the optimised build"
-wait "$optimised" || { cat "$log" >&2; exit 1; }
-: >"$group"
-[ -z "${ETENDUE_LTO:-}" ] || make --no-print-directory build
+step "the program and the libraries"
+installed make --no-print-directory build
 
 step "a render, start to end"
 installed make --no-print-directory render IMAGES="out/test.png out/test.exr" ARGS="--spp 16" >/dev/null
