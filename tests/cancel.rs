@@ -17,6 +17,9 @@ use etendue::spectrum::Rgb;
 /// Tries of cancelling.
 const TRIES: usize = 200;
 
+/// On an idle machine, renders end in well below a millisecond.
+const SOON: Duration = Duration::from_millis(100);
+
 /// A furnace with glass in it: the brighter its walls, the longer the paths, and Whitted's branch.
 fn furnace(albedo: f32) -> Scene {
     let glass = BsdfDesc::Dielectric { ior: 1.5, exterior_ior: 1.0 };
@@ -34,42 +37,52 @@ fn furnace(albedo: f32) -> Scene {
 
 const INTEGRATORS: [IntegratorDesc; 3] = [IntegratorDesc::Path, IntegratorDesc::Whitted, IntegratorDesc::Direct];
 
+/// How long the render of such a number goes on after it was told to stop, `delay` after its beginning.
+fn latency(scene: &Scene, number: usize, delay: Duration) -> Duration {
+    let desc = RenderDesc {
+        resolution: if number % 2 == 0 { [4, 4] } else { [200, 150] },
+        samples: 1 << 20,
+        integrator: INTEGRATORS[number % 3],
+        shadow_rays: if number % 5 == 0 { 1024 } else { 1 },
+        ..RenderDesc::default()
+    };
+    let cancel = Cancel::new();
+    let workers = (number % 7 == 0).then(Workers::calling_thread);
+    let settings = RenderSettings { desc, workers, cancel: cancel.clone(), ..RenderSettings::default() };
+    let mut render = Render::new(scene, settings).expect("settings of the test");
+    std::thread::scope(|scope| {
+        let stopper = scope.spawn(move || {
+            std::thread::sleep(delay);
+            cancel.cancel();
+            Instant::now()
+        });
+        let summary = render.run(&mut |_| ControlFlow::Continue(())).expect("a render");
+        let end = Instant::now();
+        assert_eq!((summary.ended, summary.stopped), (Ended::Cancelled, true));
+        end.saturating_duration_since(stopper.join().expect("no panic"))
+    })
+}
+
 #[test]
 fn a_cancelled_render_ends_soon() {
     let scene = furnace(0.999);
     let mut rng = Rng::new(3, 0);
-    let mut latencies = Vec::new();
-    for number in 0..TRIES {
-        let desc = RenderDesc {
-            resolution: if number % 2 == 0 { [4, 4] } else { [200, 150] },
-            samples: 1 << 20,
-            integrator: INTEGRATORS[number % 3],
-            shadow_rays: if number % 5 == 0 { 1024 } else { 1 },
-            ..RenderDesc::default()
-        };
-        let cancel = Cancel::new();
-        let workers = (number % 7 == 0).then(Workers::calling_thread);
-        let settings = RenderSettings { desc, workers, cancel: cancel.clone(), ..RenderSettings::default() };
-        let mut render = Render::new(&scene, settings).expect("settings of the test");
-        let delay = Duration::from_secs_f32(0.05 * rng.next_f32());
-        let latency = std::thread::scope(|scope| {
-            let stopper = scope.spawn(move || {
-                std::thread::sleep(delay);
-                cancel.cancel();
-                Instant::now()
-            });
-            let summary = render.run(&mut |_| ControlFlow::Continue(())).expect("a render");
-            let end = Instant::now();
-            assert_eq!((summary.ended, summary.stopped), (Ended::Cancelled, true));
-            end.saturating_duration_since(stopper.join().expect("no panic"))
-        });
-        latencies.push(latency);
-    }
+    let mut latencies: Vec<Duration> = (0..TRIES)
+        .map(|number| {
+            let mut again = || latency(&scene, number, Duration::from_secs_f32(0.05 * rng.next_f32()));
+            let mut least = again();
+            // A pass takes a second and more where it is not cut short. Of a few tries, one is held up by no other process.
+            for _ in 0..4 {
+                if least > SOON {
+                    least = least.min(again());
+                }
+            }
+            assert!(least <= SOON, "render {number} goes on for {least:?}");
+            least
+        })
+        .collect();
     latencies.sort();
-    let (median, largest) = (latencies[TRIES / 2], latencies[TRIES - 1]);
-    println!("{TRIES} cancelled renders: median {median:?}, largest {largest:?}");
-    // On an idle machine well below a millisecond; other processes may hold up a loaded one.
-    assert!(median < Duration::from_millis(30), "half of the renders took longer than {median:?} to end");
+    println!("{TRIES} cancelled renders: median {:?}, largest {:?}", latencies[TRIES / 2], latencies[TRIES - 1]);
 }
 
 #[test]
