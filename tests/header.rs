@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 
 /// The files of the C interface, in the order in which the header presents them.
-const SOURCES: [&str; 40] = [
+const SOURCES: [&str; 41] = [
     "status.rs",
     "last_error.rs",
     "types/mod.rs",
@@ -38,6 +38,7 @@ const SOURCES: [&str; 40] = [
     "motion.rs",
     "texture.rs",
     "film.rs",
+    "film_output.rs",
     "film_size.rs",
     "checkpoint.rs",
     "task.rs",

@@ -23,6 +23,7 @@ mod order;
 mod pass;
 mod pilot;
 mod places;
+mod preparation;
 mod replay;
 mod report;
 mod schedule;
@@ -42,13 +43,13 @@ use std::time::{Duration, Instant};
 use crate::Cancel;
 use crate::camera::{Camera, MovingCamera};
 use crate::control::{Alone, PROGRESS_INTERVAL};
-use crate::desc::{Bias, FilterDesc, IntegratorDesc, Preparation, RenderDesc, SamplerDesc};
+use crate::desc::{FilterDesc, IntegratorDesc, Preparation, RenderDesc, SamplerDesc};
 use crate::error::{Error, ErrorKind, Result};
 use crate::film::{ErrorEstimate, ErrorMeasure, Estimates, Film, FilmOptions, Image, Placement, REPLICATES};
 use crate::integrator::Path;
 use crate::integrator::light_tracing::{LightPaths, LightPictures};
 use crate::integrator::photon::{Choice, Plan, choose};
-use crate::integrator::radiosity::{Radiosity, RadiosityPicture, Steps};
+use crate::integrator::radiosity::{Radiosity, Steps};
 use crate::integrator::reuse::PathReuse;
 use crate::integrator::{check_light_parts, check_support, check_wavelengths, no_wavelengths};
 use crate::sampling::{AnySampler, Filter, Pattern, PatternSampler, SobolSampler};
@@ -59,10 +60,10 @@ use checkpoint::{Header, Keeper};
 use maps::Maps;
 use method::Method;
 use pass::{Light, Pass, PassInput};
-use pilot::{CacheToTry, Found, pilot};
+use pilot::Found;
 use schedule::Schedule;
 use share::Tiles;
-use ways::{Decision, Undecided, Wanted, why_no_cache};
+use ways::{Decision, Undecided, Wanted};
 use worker_pool::WorkerPool;
 
 pub use checkpoint::{Checkpoint, CheckpointPlan};
@@ -83,9 +84,6 @@ const SOLUTION_FRACTION: f64 = 0.5;
 /// Fraction of a time limit after which it is found out how long the estimates of errors will take. Pixels of unknown mean take
 /// longest, and become fewer.
 const TIME_BEFORE_ERRORS: f64 = 0.25;
-
-/// Smallest number of pixels for a note that few pixels have most of the error, as they always have in smaller images.
-const MIN_PIXELS_FOR_TAIL_NOTE: u64 = 64;
 
 /// Where the film of a render lies in its picture; `None` where it is the picture and has square pixels.
 fn placement(desc: &RenderDesc, pixel_aspect: f64) -> Option<Placement> {
@@ -495,113 +493,6 @@ impl Render {
         self.film.develop()
     }
 
-    /// Whether a radiosity solution has to be made before the first sample.
-    fn wants_solution(&self) -> bool {
-        self.integrator().info().preparation == Preparation::RadiositySolution && self.radiosity.is_none()
-    }
-
-    /// Makes the photon maps, the radiosity solution or the pilot that the next samples need. Returns the reason if the render
-    /// ended meanwhile.
-    fn prepare(
-        &mut self,
-        schedule: &Schedule,
-        start: Instant,
-        progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
-    ) -> Result<Option<Ended>> {
-        let wants_solution = self.wants_solution();
-        if self.plan.is_none() && !wants_solution && self.undecided.is_none() {
-            return Ok(None);
-        }
-        let undecided = self.undecided.clone().map(|open| {
-            // Squares are rendered beside light paths that were asked for.
-            let light = self.light_paths.clone().map(|paths| Light { paths, pictures: LightPictures::default() });
-            (PassInput { light, ..self.pass_input() }, open)
-        });
-        let (samples, rays) = (self.samples, self.rays);
-        let mut callback = |fraction| {
-            if wants_solution {
-                schedule.prepared.set(fraction);
-            }
-            let report = schedule.progress(samples, f64::from(samples), rays, start.elapsed(), None);
-            progress(&report).is_break()
-        };
-        let deadline = self.deadline(start);
-        let extent = self.extent(start);
-        let mut pool = WorkerPool::new(&self.workers, &self.settings.cancel, deadline, &mut callback);
-        let time_left = self.settings.time_limit.map(|limit| limit.saturating_sub(start.elapsed()));
-        let made = match (&mut self.plan, undecided) {
-            (_, Some((input, open))) => {
-                let cache = self.cache.as_mut().filter(|_| open.cache).map(|plan| CacheToTry { plan, time_left });
-                let found = pilot(&input, &open, cache, &mut pool);
-                found.map(|found| {
-                    self.rays += found.rays;
-                    if let Some(paths) = open.light.filter(|_| found.traces_light()) {
-                        self.light_paths = Some(paths.with_count(found.count));
-                    }
-                    if open.first_shadow_rays {
-                        self.first_shadow_rays = self.desc.shadow_rays * found.first_shadow_rays;
-                    }
-                    let sharing = open.sharing.filter(|_| found.shares());
-                    self.found = Some(found);
-                    sharing.map_or_else(|| self.method.clone(), Method::Reuse)
-                })
-            }
-            (Some(plan), None) => {
-                let before = plan.rays();
-                let gather = plan.gather(samples, &mut pool);
-                self.rays += plan.rays() - before;
-                gather
-            }
-            (None, None) => Radiosity::solve_to(&self.scene, &self.desc.radiosity, extent, &mut pool).map(|solution| {
-                let solution = Arc::new(solution);
-                self.radiosity = Some(Arc::clone(&solution));
-                schedule.prepared.set(1.0);
-                let (is_gather, shadow_rays) = (self.desc.radiosity.final_gather, self.desc.shadow_rays);
-                let picture = RadiosityPicture::new(&self.scene, solution, is_gather, shadow_rays);
-                match &self.method {
-                    Method::Probes(probes) => Method::Probes(probes.by_radiosity(picture)),
-                    _ => Method::Radiosity(picture),
-                }
-            }),
-        };
-        let is_cancelled = pool.is_stopped_by_callback || self.settings.cancel.is_cancelled();
-        match made {
-            Ok(method) => {
-                self.method = method;
-                if self.undecided.take().is_some() {
-                    return self.settle_choice(schedule, start, progress);
-                }
-                Ok(None)
-            }
-            Err(error) if error.kind() == ErrorKind::Cancelled => {
-                Ok(Some(if is_cancelled { Ended::Cancelled } else { Ended::Time }))
-            }
-            Err(error) => Err(error),
-        }
-    }
-
-    /// Takes what the pilot has found of the irradiance cache. Makes what the integrator needs that is chosen then, as [`Render::prepare`].
-    fn settle_choice(
-        &mut self,
-        schedule: &Schedule,
-        start: Instant,
-        progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
-    ) -> Result<Option<Ended>> {
-        let Some(cached) = self.found.as_ref().and_then(|found| found.cached.clone()) else { return Ok(None) };
-        let why = cached.why();
-        if cached.is_taken() {
-            // What it found of other ways to trace paths is of no use.
-            self.found = None;
-            self.settle_cache(Some(&why));
-            return self.prepare(schedule, start, progress);
-        }
-        self.settle_cache(None);
-        if let Some(choice) = &mut self.choice {
-            choice.why = format!("{}; {why}", choice.why);
-        }
-        Ok(None)
-    }
-
     /// Whether the film has colours of a picture, which a white balance adapts.
     fn has_white(&self) -> bool {
         !self.method.is_of_places() && self.settings.sensor == Sensor::Observer
@@ -695,108 +586,6 @@ impl Render {
     /// The integrator of the render: the chosen one where the settings ask for a choice.
     fn integrator(&self) -> IntegratorDesc {
         self.choice.as_ref().map_or(self.desc.integrator, |choice| choice.integrator)
-    }
-
-    /// The bias of the image that error estimates do not include, if there is any.
-    fn bias_outside_estimates(&self) -> Option<&'static str> {
-        match self.integrator().info().bias {
-            Bias::Biased(what) => Some(what),
-            Bias::Unbiased | Bias::Consistent(_) | Bias::OfChoice => self.desc.max_depth.map(|_| "paths that are cut"),
-        }
-    }
-
-    /// Why a choice of paths has left out the irradiance cache, where the user may want to know.
-    fn note_on_bias(&self) -> Option<String> {
-        let is_open = self.desc.integrator == IntegratorDesc::Auto && self.integrator() == IntegratorDesc::Path;
-        let why = self.comparison.err().filter(|_| is_open)?;
-        // Where a bias is not allowed, nothing is said unless allowing it would change something.
-        let is_of_use = self.desc.allow_bias
-            || self.found.is_some() && why_no_cache(&self.scene, &self.settings, self.integrator()).is_none();
-        is_of_use.then(|| format!("no pilot compared the irradiance cache with paths: {why}"))
-    }
-
-    fn summary(&self, elapsed: Duration, ended: Ended) -> Summary {
-        let mut notes = Vec::new();
-        if let Some(choice) = &self.choice {
-            notes.push(format!("auto chose {}: {}", choice.integrator.name(), choice.why));
-        }
-        notes.extend(self.note_on_bias());
-        if let Some(found) = self.found.as_ref().filter(|found| found.shares()) {
-            notes.push(format!(
-                "pixels shared hits: a pilot expected the same error in {:.1} times less time",
-                found.sharing
-            ));
-        }
-        if let Some(found) = self.found.as_ref().filter(|found| found.traces_light()) {
-            let times = if found.light < 10.0 { format!("{:.1}", found.light) } else { "more than 10".to_owned() };
-            notes.push(format!(
-                "light paths found caustics: a pilot expected the same error in {times} times less time"
-            ));
-        }
-        if self.found.as_ref().is_some_and(|found| found.first_shadow_rays > 1) {
-            let count = self.first_shadow_rays;
-            notes.push(format!(
-                "what the camera sees had {count} light samples for each path, as a pilot expected to pay"
-            ));
-        }
-        notes.extend(self.plan.iter().flat_map(|plan| plan.notes().iter().cloned()));
-        notes.extend(self.radiosity.iter().flat_map(|solution| solution.notes().iter().cloned()));
-        if let Some(depth) = self.settings.desc.max_depth.filter(|_| self.integrator().info().cut_by_max_depth) {
-            notes.push(format!("paths were cut after {depth} hits (maxDepth): the image is too dark"));
-        }
-        if self.settings.desc.sampler == SamplerDesc::Gaussian && self.settings.desc.filter != FilterDesc::Box {
-            notes.push("the gaussian pattern is a pixel filter by itself: the filter was not used".to_owned());
-        }
-        if let Some(bias) = self.bias_outside_estimates().filter(|_| self.settings.target_error.is_some()) {
-            notes.push(format!("the error that ended or judged the render does not know the bias of {bias}"));
-        }
-        if let Err(why) = self.adaptive {
-            notes.push(format!("all pixels had the same number of samples: {why}"));
-        }
-        let is_asked_for = self.settings.adaptive == Some(true) && self.adaptive == Ok(true);
-        if is_asked_for && self.stage.is_none() && ended != Ended::Cancelled {
-            notes
-                .push(format!("all pixels had the same number of samples: the first {PILOT} are too few to choose by"));
-        }
-        let non_finite = self.non_finite;
-        if non_finite > 0 {
-            let first =
-                self.non_finite_samples.first().map(|first| format!("; the first: {first}")).unwrap_or_default();
-            notes.push(format!("{non_finite} samples were NaN or infinite and count as black{first}"));
-        }
-        // The picture is not lost with its error.
-        let Estimates { rel_mse, display, counts } = self.estimates(&ErrorMeasure::ALL).unwrap_or_default();
-        let pixels = self.film.options().resolution.map(u64::from).into_iter().product::<u64>();
-        if pixels >= MIN_PIXELS_FOR_TAIL_NOTE && rel_mse.is_some_and(|error| error.is_heavy_tailed()) {
-            notes.push(
-                "the estimated relMSE rests on few pixels, which rare bright paths have met: it may be off by far"
-                    .to_owned(),
-            );
-        }
-        Summary {
-            elapsed,
-            samples: self.samples,
-            // They need no memory.
-            sample_counts: counts.or_else(|| self.film.counts_unless(&self.settings.cancel)),
-            integrator: match self.integrator() {
-                IntegratorDesc::Radiosity => IntegratorDesc::Radiosity,
-                _ if self.method.is_of_places() => IntegratorDesc::Path,
-                integrator => integrator,
-            },
-            adaptive: self.stage.is_some(),
-            reuse: matches!(self.method, Method::Reuse(_)),
-            light_paths: self.light_paths.is_some(),
-            first_shadow_rays: self.first_shadow_rays,
-            rays: self.rays,
-            rel_mse,
-            display_error: display,
-            ended,
-            stopped: ended == Ended::Cancelled,
-            non_finite,
-            non_finite_samples: self.non_finite_samples.clone(),
-            notes,
-            checkpoint_failure: None,
-        }
     }
 }
 

@@ -2,8 +2,7 @@
 //! light paths find caustics, how many light samples the hits have that the camera sees, and whether the irradiance cache takes the place of
 //! paths.
 
-use std::ops::ControlFlow;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
@@ -12,16 +11,13 @@ use super::maps::Maps;
 use super::method::Method;
 use super::order::SQUARE;
 use super::pilot::{ACROSS, MOST_TIMES, TIMES_LONGER};
-use super::report::{Ended, Progress};
-use super::schedule::Schedule;
 use super::settings::RenderSettings;
-use super::worker_pool::WorkerPool;
 use crate::desc::{IntegratorDesc, MAX_SHADOW_RAYS, Preparation};
-use crate::error::{ErrorKind, Result};
+use crate::error::Result;
 use crate::integrator::Path;
-use crate::integrator::light_tracing::{LightPaths, LightPictures};
+use crate::integrator::light_tracing::LightPaths;
 use crate::integrator::photon::Choice;
-use crate::integrator::radiosity::{Extent, Steps};
+use crate::integrator::radiosity::Steps;
 use crate::integrator::reuse::PathReuse;
 use crate::integrator::{
     check_bias, check_first_shadow_rays, check_light_paths, check_reuse, check_support, no_choice,
@@ -34,10 +30,6 @@ pub(super) const SAMPLES: u32 = 16;
 
 /// Shortest time limit with which a pilot is made.
 const LEAST_TIME: Duration = Duration::from_secs(10);
-
-/// Part of a time limit that a radiosity solution may take, so that there is time for samples too, also for a render that goes on and makes
-/// the same solution once more.
-const SOLUTION_TIME: f64 = 0.75;
 
 /// Makes the random numbers of light paths others than those of the pixels.
 pub(super) const LIGHT_SEED: u64 = 0x6c69_6768_7400_0000;
@@ -307,23 +299,6 @@ impl Render {
         known.filter(|_| has_one)
     }
 
-    /// How far the radiosity solution goes that the render begins with. Time ends none of a share, since those of the others might end
-    /// elsewhere, and none of light at given places, of which there is to be the best.
-    pub(super) fn extent(&self, start: Instant) -> Extent {
-        let is_whole = self.settings.share.is_some() || self.method.is_of_places();
-        let limit = self.settings.time_limit.filter(|_| !is_whole).map(|limit| limit.mul_f64(SOLUTION_TIME));
-        match (self.solution, limit.and_then(|limit| start.checked_add(limit))) {
-            (Some(steps), _) => Extent::Steps(steps),
-            (None, Some(end)) => Extent::Until(end),
-            (None, None) => Extent::Steps(Steps::WHOLE),
-        }
-    }
-
-    /// Whether time may end a radiosity solution that is still to be made.
-    pub(super) fn has_open_solution(&self) -> bool {
-        self.wants_solution() && matches!(self.extent(Instant::now()), Extent::Until(_))
-    }
-
     /// Takes the irradiance cache in place of paths, for this reason, or leaves it for good. Nothing changes in a render that has no such
     /// choice.
     pub(super) fn settle_cache(&mut self, why: Option<&str>) {
@@ -331,42 +306,5 @@ impl Render {
         self.plan = Some(Maps::Colours(plan));
         self.choice = Some(Choice { integrator: IntegratorDesc::IrradianceCache, why: why.to_owned() });
         (self.light_paths, self.first_shadow_rays) = (None, self.desc.shadow_rays);
-    }
-
-    /// Traces the light paths of the next samples, where the render has light paths. Returns the reason if the render ended meanwhile.
-    pub(super) fn trace_light(
-        &mut self,
-        count: u32,
-        schedule: &Schedule,
-        start: Instant,
-        progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
-    ) -> Result<Option<Ended>> {
-        let Some(paths) = self.light_paths.clone() else { return Ok(None) };
-        let paths = match &self.method {
-            Method::Reuse(reuse) => paths.beside_aims(reuse.aims()),
-            _ => paths,
-        };
-        self.light_pictures = None;
-        let deadline = self.deadline(start);
-        let (samples, rays) = (self.samples, self.rays);
-        let mut callback = |_| {
-            let report = schedule.progress(samples, f64::from(samples), rays, start.elapsed(), None);
-            progress(&report).is_break()
-        };
-        let mut pool = WorkerPool::new(&self.workers, &self.settings.cancel, deadline, &mut callback);
-        let which = (samples, samples + count, self.desc.seed ^ LIGHT_SEED);
-        let made = LightPictures::trace(&self.scene, &paths, &self.film, &self.filter, which, &mut pool);
-        let is_cancelled = pool.is_stopped_by_callback || self.settings.cancel.is_cancelled();
-        match made {
-            Ok((pictures, rays)) => {
-                self.light_pictures = Some(pictures);
-                self.rays += rays;
-                Ok(None)
-            }
-            Err(error) if error.kind() == ErrorKind::Cancelled => {
-                Ok(Some(if is_cancelled { Ended::Cancelled } else { Ended::Time }))
-            }
-            Err(error) => Err(error),
-        }
     }
 }

@@ -1,6 +1,10 @@
 //! Plans which maps a method needs, with which radii, and when they are made.
 
-use std::sync::{Arc, Mutex, PoisonError};
+mod maps;
+
+use std::sync::Arc;
+
+use maps::{BuiltMap, ShotMap, WantedMap, build_maps, thinned};
 
 use super::super::aim::Aims;
 use super::super::irradiance_cache::{FillReport, fill_within};
@@ -9,10 +13,10 @@ use super::choose::aimed_paths_find_caustics;
 use super::coverage::DiskCoverage;
 use super::division::{Division, narrow_below};
 use super::estimate::{Kernel, MapQuery};
-use super::gather::{Gather, MapLayer, PathEnd, Shrinking};
+use super::gather::{Gather, PathEnd, Shrinking};
 use super::radius::{Lengths, measure, middle_radius, shrunk};
 use super::trace::PHOTONS_A_PATH;
-use super::{MapKind, Photon, PhotonBatch, PhotonJob, PhotonMap, Tally, shoot_in};
+use super::{MapKind, PhotonJob, PhotonMap, shoot_in};
 use crate::camera::Camera;
 use crate::control::{Cancel, Parallel};
 use crate::desc::{CacheSource, IntegratorDesc, KernelDesc, MapRenewal, PhotonMethod, Preparation, RenderDesc};
@@ -43,10 +47,6 @@ const FIRST_PHOTONS: u32 = 32;
 
 /// The same number for a map that is made once.
 const ONLY_PHOTONS: u32 = 100;
-
-/// Number of photons of the caustic map beyond the first diffuse hit, and the factor by which its radius is wider.
-const LATER_PHOTONS: usize = 1 << 14;
-const LATER_WIDTH: f32 = 4.0;
 
 /// Bytes a photon takes while its map is being built.
 const BYTES_A_PHOTON: usize = 96;
@@ -614,110 +614,4 @@ fn is_progressive(renewal: MapRenewal, desc: &RenderDesc) -> bool {
         MapRenewal::EachPassByDefault => desc.photons.progressive,
         MapRenewal::Once => false,
     }
-}
-
-/// A map that is to be shot, and the parameters of its queries.
-struct WantedMap {
-    kind: MapKind,
-    /// Number of light paths.
-    paths: u32,
-    query: MapQuery,
-}
-
-/// The photons of a map, not yet sorted.
-struct ShotMap<C: Spectrum> {
-    wanted: WantedMap,
-    /// Number of photons that the memory limit allows.
-    most: usize,
-    batch: PhotonBatch<C>,
-}
-
-/// A map that can be queried, and how it was made.
-struct BuiltMap<C: Spectrum> {
-    kind: MapKind,
-    /// Number of light paths that were asked for.
-    paths: u32,
-    /// Number of photons that the memory limit allows.
-    most: usize,
-    tally: Tally,
-    layer: MapLayer<C>,
-}
-
-/// Builds the maps in parallel, each map on one thread.
-fn build_maps<C: Spectrum>(
-    shot: Vec<ShotMap<C>>,
-    shrunk: f32,
-    parallel: &mut impl Parallel,
-) -> Result<Vec<BuiltMap<C>>> {
-    let mut photons = Vec::new();
-    let mut made_of = Vec::new();
-    for ShotMap { wanted, most, batch } in shot {
-        photons.push(Mutex::new(batch.photons));
-        made_of.push((wanted, most, batch.tally));
-    }
-    let token = parallel.token();
-    let built = parallel.map(photons.len(), move |index| {
-        let photons = std::mem::take(&mut *photons[index].lock().unwrap_or_else(PoisonError::into_inner));
-        PhotonMap::build(photons, &token)
-    })?;
-    let mut maps = Vec::new();
-    for ((WantedMap { kind, paths, query }, most, tally), map) in made_of.into_iter().zip(built) {
-        let layer = MapLayer { map: Arc::new(map?), query, widest: query.radius / shrunk };
-        maps.push(BuiltMap { kind, paths, most, tally, layer });
-    }
-    Ok(maps)
-}
-
-impl MapKind {
-    /// The map's name in messages and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Direct => "direct",
-            Self::Caustic => "caustic",
-            Self::Indirect => "indirect",
-            Self::Global => "global",
-        }
-    }
-}
-
-impl<C: Spectrum> BuiltMap<C> {
-    fn is_of_indirect_light(&self) -> bool {
-        matches!(self.kind, MapKind::Indirect | MapKind::Global)
-    }
-
-    /// The message about the map for the user; `by_pixel` says that each pixel has radii of its own.
-    fn note(&self, by_pixel: bool) -> String {
-        let Self { kind, tally, layer, .. } = self;
-        let photons = layer.map.len();
-        let shadows = if tally.shadows > 0 { format!(" and {} shadow photons", tally.shadows) } else { String::new() };
-        let radius = if by_pixel && *kind != MapKind::Direct { "radius, at most," } else { "radius" };
-        let lost = if tally.emitted.max_element() > 0.0 {
-            100.0 * tally.escaped.max_element() / tally.emitted.max_element()
-        } else {
-            0.0
-        };
-        format!(
-            "{} photon map: {} photons{shadows} of {} light paths, {lost:.0} % of their light left the scene; {:.1} MiB, {:.0} \
-             bytes a photon; {radius} {:.3e}",
-            kind.name(),
-            tally.stored,
-            tally.paths,
-            layer.map.bytes() as f64 / 1_048_576.0,
-            layer.map.bytes() as f64 / photons.max(1) as f64,
-            layer.query.radius
-        )
-    }
-}
-
-/// The same light in fewer photons, for a wider radius: every n-th photon in the map's order, which keeps them well spread.
-fn thinned<C: Spectrum>(layer: &MapLayer<C>, cancel: &Cancel) -> Result<MapLayer<C>> {
-    let stride = layer.map.len().div_ceil(LATER_PHOTONS).max(1);
-    let mut photons: Vec<Photon<C>> = layer.map.photons().iter().skip(stride / 2).step_by(stride).copied().collect();
-    let factor = layer.map.len() as f32 / photons.len().max(1) as f32;
-    for photon in &mut photons {
-        photon.scale(factor.into());
-    }
-    let map = Arc::new(PhotonMap::build(photons, cancel)?);
-    let query = MapQuery { neighbours: None, ..layer.query };
-    Ok(MapLayer { map, query, widest: LATER_WIDTH * layer.query.radius })
 }

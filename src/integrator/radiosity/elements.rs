@@ -9,17 +9,23 @@
 //! them. A hanging vertex lies in the middle of a side that only one neighbour has halved; its value is the mean of the
 //! side's ends.
 
+mod clusters;
+mod curved;
+mod lookup;
+
 use std::collections::HashMap;
+
+use curved::{bend_of, curved_area, middle_on, settle};
 
 use super::albedo::mean_albedos;
 use super::form_factor::{self, Outline, quarters};
 use super::tessellate::tessellate;
 use super::textured::ElementTextures;
 use crate::error::{Error, ErrorKind, Result};
-use crate::math::{Bounds, DVec3, HitPoint, Vec3};
+use crate::math::{DVec3, HitPoint, Vec3};
 use crate::room::check_room;
 use crate::scene::{Body, Scene};
-use crate::shape::{Analytic, ClipFaces};
+use crate::shape::Analytic;
 use crate::spectrum::Rgb;
 
 /// Index that stands for "none".
@@ -539,141 +545,6 @@ impl Elements {
         }
         (opening * gathered + sampled) / (1.0 - (1.0 - opening) * self.albedo(leaf))
     }
-
-    /// The leaf at a point on one side of a face, and the barycentric weights of the leaf's second and third corner.
-    /// The point is given by the `weights` of the second and third corner of a triangle, and on a shape by `p`, scene
-    /// frame.
-    pub fn leaf_at(&self, face: u32, is_front: bool, weights: [f32; 2], p: DVec3) -> Option<(u32, [f64; 2])> {
-        let side = self.sides.get(face as usize)?[usize::from(!is_front)];
-        let patches = &self.patches[side.first as usize..(side.first + side.count) as usize];
-        let patch = patches.first()?;
-        if patch.shape != NONE {
-            return self.leaf_on_shape(patches, p);
-        }
-        let (number, at) = self.leaf_below(patch.node, weights.map(|w| f64::from(w).clamp(0.0, 1.0)));
-        Some((number, inside(at)))
-    }
-
-    /// The leaf below an element at weights of its second and third corner, and the weights of the leaf's corners.
-    pub fn leaf_below(&self, mut number: u32, [mut s, mut t]: [f64; 2]) -> (u32, [f64; 2]) {
-        while let Node { first, children: 4, .. } = self.nodes[number as usize] {
-            let child;
-            let r = 1.0 - s - t;
-            (child, s, t) = if r > 0.5 {
-                (0, 2.0 * s, 2.0 * t)
-            } else if s > 0.5 {
-                (1, 2.0 * s - 1.0, 2.0 * t)
-            } else if t > 0.5 {
-                (2, 2.0 * s, 2.0 * t - 1.0)
-            } else {
-                // The corners of the middle child are opposite to the first, second and third corner.
-                (3, 1.0 - 2.0 * s, 1.0 - 2.0 * t)
-            };
-            number = first + child;
-        }
-        (number, [s, t])
-    }
-
-    fn leaf_on_shape(&self, patches: &[Patch], p: DVec3) -> Option<(u32, [f64; 2])> {
-        let best = |numbers: &mut dyn Iterator<Item = u32>| {
-            let mut best = (f64::NEG_INFINITY, NONE, [0.0; 2]);
-            for number in numbers {
-                let node = &self.nodes[number as usize];
-                let [s, t] = weights(&self.triangle(node), p);
-                // The point should be inside the triangle, and not on the far side of the shape.
-                let height = (p - node.centre).dot(node.normal).abs() / node.radius;
-                let least = s.min(t).min(1.0 - s - t) - 4.0 * (height - 1.0).max(0.0);
-                if least > best.0 {
-                    best = (least, number, [s, t]);
-                }
-            }
-            best
-        };
-        let (_, mut number, mut at) = best(&mut patches.iter().map(|patch| patch.node));
-        while number != NONE && !self.nodes[number as usize].is_leaf() {
-            let range = self.nodes[number as usize].range();
-            (_, number, at) = best(&mut range.map(|number| number as u32));
-        }
-        (number != NONE).then_some((number, inside(at)))
-    }
-
-    /// Builds the binary tree above the roots, in which the two sides of surfaces are separate.
-    fn cluster(&mut self, roots: Vec<Node>) {
-        if roots.is_empty() {
-            return;
-        }
-        let (mut fronts, mut backs): (Vec<u32>, Vec<u32>) =
-            (0..roots.len() as u32).partition(|&patch| self.patches[patch as usize].is_front);
-        self.nodes.reserve(2 * roots.len());
-        self.nodes.push(empty());
-        self.top = 0;
-        if fronts.is_empty() || backs.is_empty() {
-            fronts.append(&mut backs);
-            self.group(0, NONE, &mut fronts, &roots);
-        } else {
-            self.nodes.extend([empty(), empty()]);
-            self.group(1, 0, &mut fronts, &roots);
-            self.group(2, 0, &mut backs, &roots);
-            self.finish_cluster(0, NONE, 1, 0..self.order.len() as u32);
-        }
-    }
-
-    fn group(&mut self, slot: u32, parent: u32, patches: &mut [u32], roots: &[Node]) {
-        let start = self.order.len() as u32;
-        if let [patch] = *patches {
-            self.order.push(patch);
-            self.nodes[slot as usize] = Node { parent, ..roots[patch as usize].clone() };
-            self.patches[patch as usize].node = slot;
-            return;
-        }
-        let centres = Bounds::around(patches.iter().map(|&patch| roots[patch as usize].centre));
-        let spread = (centres.max - centres.min).to_array();
-        let axis = (0..3).max_by(|&i, &j| spread[i].total_cmp(&spread[j])).unwrap_or(0);
-        let half = patches.len() / 2;
-        let key = |&patch: &u32| (roots[patch as usize].centre[axis], patch);
-        patches.select_nth_unstable_by(half, |a, b| {
-            let (a, b) = (key(a), key(b));
-            a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
-        });
-        let (low, high) = patches.split_at_mut(half);
-        let first = self.nodes.len() as u32;
-        self.nodes.extend([empty(), empty()]);
-        self.group(first, slot, low, roots);
-        self.group(first + 1, slot, high, roots);
-        self.finish_cluster(slot, parent, first, start..self.order.len() as u32);
-    }
-
-    fn finish_cluster(&mut self, slot: u32, parent: u32, first: u32, range: std::ops::Range<u32>) {
-        let [a, b] = [0, 1].map(|i| &self.nodes[(first + i) as usize]);
-        // The centre is the mean by area, where light comes from in first order.
-        let area = a.area + b.area;
-        let centre = if area > 0.0 { (a.area * a.centre + b.area * b.centre) / area } else { a.centre };
-        let reach = |child: &Node| centre.distance(child.centre) + child.radius;
-        let radius = reach(a).max(reach(b));
-        let normal = (a.area * a.normal + b.area * b.normal).normalize_or_zero();
-        let angle = |child: &Node| child.cone + normal.dot(child.normal).clamp(-1.0, 1.0).acos();
-        let cone = if normal == DVec3::ZERO { std::f64::consts::PI } else { angle(a).max(angle(b)) };
-        let cluster = Node {
-            centre,
-            normal,
-            area,
-            radius,
-            parent,
-            first,
-            children: 2,
-            patch: NONE,
-            corners: [range.start, range.end, self.clusters],
-            cone: cone.min(std::f64::consts::PI),
-            area_ratio: 1.0,
-            opening: 1.0,
-            is_hollow: false,
-            depth: 0.0,
-            bends: None,
-            is_discontinuous: false,
-        };
-        self.clusters += 1;
-        self.nodes[slot as usize] = cluster;
-    }
 }
 
 pub(super) fn empty() -> Node {
@@ -695,66 +566,6 @@ pub(super) fn empty() -> Node {
         bends: None,
         is_discontinuous: false,
     }
-}
-
-/// Barycentric weights of the second and third corner for the projection of `p` to a triangle's plane.
-fn weights(&[a, b, c]: &[DVec3; 3], p: DVec3) -> [f64; 2] {
-    let (ab, ac, ap) = (b - a, c - a, p - a);
-    let n = ab.cross(ac);
-    let n2 = n.length_squared();
-    if n2 > 0.0 { [ap.cross(ac).dot(n) / n2, ab.cross(ap).dot(n) / n2] } else { [0.0; 2] }
-}
-
-/// Weights of a point close to the triangle, clamped to the triangle.
-fn inside([s, t]: [f64; 2]) -> [f64; 2] {
-    let (s, t) = (s.max(0.0), t.max(0.0));
-    let sum = s + t;
-    if sum > 1.0 { [s / sum, t / sum] } else { [s, t] }
-}
-
-/// The point of a shape near `p`, and the outer unit normal there. A step of [`Analytic::project`] brings points onto a quadric that are
-/// almost there; from the middle of a chord it goes beyond, where the shape itself would be in the way of all rays.
-fn settle(shape: &Analytic, p: DVec3) -> (DVec3, DVec3) {
-    match shape {
-        Analytic::Quadric(quadric) => quadric.settle(p, ClipFaces::default()),
-        _ => shape.project(p),
-    }
-}
-
-/// The point of a shape that replaces the middle of a chord. Between two points of an edge of the shape it is on the edge too: another
-/// shape begins there, which must leave no gap.
-fn middle_on(shape: &Analytic, a: DVec3, b: DVec3) -> DVec3 {
-    let middle = 0.5 * (a + b);
-    match shape {
-        Analytic::Sphere(sphere) => sphere.project(middle).0,
-        Analytic::Quadric(quadric) => quadric.settle(middle, quadric.faces_at(a).and(quadric.faces_at(b))).0,
-        Analytic::Disk(disk) if disk.is_on_edge(a) && disk.is_on_edge(b) => disk.middle_of_arc(a, b),
-        Analytic::Disk(_) => middle,
-    }
-}
-
-/// The bend of a side that stands for its arc: the two chords that meet there enclose as much with the side as an arc does, four thirds as
-/// high as its middle. Two chords to the middle itself would be seen inside of the arc, and the sides of neighbours that are divided
-/// otherwise would leave a gap.
-fn bend_of(shape: &Analytic, a: DVec3, b: DVec3) -> DVec3 {
-    let chord = 0.5 * (a + b);
-    chord + 4.0 / 3.0 * (middle_on(shape, a, b) - chord)
-}
-
-/// Area of the part of a shape that an inscribed triangle represents: the areas of flat triangles of two finer levels,
-/// extrapolated.
-fn curved_area(shape: &Analytic, triangle: &[DVec3; 3]) -> f64 {
-    let area = |t: &[DVec3; 3]| 0.5 * (t[1] - t[0]).cross(t[2] - t[0]).length();
-    let divided = |t: &[DVec3; 3]| {
-        let [a, b, c] = *t;
-        let [ab, bc, ca] = [[a, b], [b, c], [c, a]].map(|[a, b]| middle_on(shape, a, b));
-        [[a, ab, ca], [ab, b, bc], [ca, bc, c], [bc, ca, ab]]
-    };
-    let once = divided(triangle);
-    let coarse: f64 = once.iter().map(area).sum();
-    let fine: f64 = once.iter().flat_map(divided).map(|t| area(&t)).sum();
-    // The error falls by a factor of four with each level.
-    fine + (fine - coarse) / 3.0
 }
 
 /// The centres of a triangle's quarters: a quadrature rule whose points the quarters share.
