@@ -5,11 +5,13 @@ PREFIX ?= /usr/local
 # Where libraries go: PREFIX/lib if empty; under /usr, the folder of the processor (/usr/lib/x86_64-linux-gnu).
 LIBDIR ?=
 DESTDIR ?=
+# Of Cargo.toml: `make test` tries what it has built for its tests.
+ETENDUE_PROFILE ?= release
 CARGO ?= cargo
 SCENE ?= scenes/room.json
 IMAGES ?= out/$(basename $(notdir $(SCENE))).png out/$(basename $(notdir $(SCENE))).exr
-INSTALL = CARGO='$(CARGO)' PREFIX='$(PREFIX)' LIBDIR='$(LIBDIR)' DESTDIR='$(DESTDIR)' scripts/install.sh
-ETENDUE = $(CARGO) run --quiet --release --locked $(ETENDUE_FEATURES) --example etendue --
+INSTALL = ETENDUE_PROFILE='$(ETENDUE_PROFILE)' CARGO='$(CARGO)' PREFIX='$(PREFIX)' LIBDIR='$(LIBDIR)' DESTDIR='$(DESTDIR)' scripts/install.sh
+ETENDUE = $(CARGO) run --quiet --profile $(ETENDUE_PROFILE) --locked $(ETENDUE_FEATURES) --example etendue --
 
 .PHONY: all setup render test accuracy mutations cuts attacks bench bench-rays peers-materials gallery pictures build install uninstall deb meshes clean
 all: render

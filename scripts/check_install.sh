@@ -10,7 +10,7 @@ cd "$(dirname "$0")/.."
 die() { printf '%s\n' "$*" >&2; exit 1; }
 
 CC=${CC:-cc}
-built=${CARGO_TARGET_DIR:-target}/release
+built=${CARGO_TARGET_DIR:-target}/${ETENDUE_PROFILE:-release}
 work=$PWD/target/check-install
 rm -rf "$work"
 mkdir -p "$work"
@@ -37,10 +37,10 @@ readelf -d "$lib" | grep -q "SONAME.*\[libetendue.so.$abi\]" || die "$lib has an
 [ "$("$prefix/bin/etendue" --version)" = "etendue $version" ] || die "bin/etendue is of another version"
 
 echo "a second install builds nothing"
-stat -c %y "$built/examples/libetendue_c.so" "$built/examples/etendue" "$lib" >"$work/before" 2>/dev/null || true
+stat -c %y "$built/libetendue.so" "$built/examples/etendue" "$lib" >"$work/before" 2>/dev/null || true
 touch "$prefix/share/etendue/not-ours"
 into_prefix install >/dev/null
-stat -c %y "$built/examples/libetendue_c.so" "$built/examples/etendue" >"$work/after" 2>/dev/null || true
+stat -c %y "$built/libetendue.so" "$built/examples/etendue" >"$work/after" 2>/dev/null || true
 head -n 2 "$work/before" | cmp - "$work/after" || die "the second install built anew"
 
 echo "the README's program, shared and static"

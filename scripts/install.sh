@@ -39,23 +39,27 @@ TARGET=${CARGO_TARGET_DIR:-}
 if [ -z "$TARGET" ] && command -v "$CARGO" >/dev/null 2>&1; then
     TARGET=$("$CARGO" metadata --no-deps --format-version 1 --offline | sed -n 's/.*"target_directory":"\([^"]*\)".*/\1/p')
 fi
-RELEASE=${TARGET:-target}/release
-# The libraries as cargo names them.
-SHARED=$RELEASE/examples/libetendue_c.so
-STATIC=$RELEASE/examples/libetendue_c.a
+PROFILE=${ETENDUE_PROFILE:-release}
+BUILT=${TARGET:-target}/$PROFILE
+# The libraries as they were built here, of which cargo keeps others by the name of the target.
+SHARED=$BUILT/libetendue.so
+STATIC=$BUILT/libetendue.a
 # What the static library needs of the system, as the compiler says.
-NATIVE=$RELEASE/etendue.native-static-libs
+NATIVE=$BUILT/etendue.native-static-libs
 # What is made here from the build: the archive that shows nothing but the interface, and files that know their place.
-STAGE=$RELEASE/install
+STAGE=$BUILT/install
 
 build() {
     # `make test` builds the program and the libraries with all features. The flags fall apart into words.
     # shellcheck disable=SC2086
-    "$CARGO" build --release --locked ${ETENDUE_FEATURES:-} --example etendue
-    mkdir -p "$RELEASE"
+    "$CARGO" build --profile "$PROFILE" --locked ${ETENDUE_FEATURES:-} --example etendue
+    mkdir -p "$BUILT"
     # shellcheck disable=SC2086
-    "$CARGO" rustc --release --locked ${ETENDUE_FEATURES:---features capi} --example etendue_c -- \
+    "$CARGO" rustc --profile "$PROFILE" --locked ${ETENDUE_FEATURES:-} --features capi --example etendue_c -- \
         -C "link-arg=-Wl,-soname,libetendue.so.$ABI" --print "native-static-libs=$NATIVE"
+    # Any build of all examples replaces cargo's, by libraries without this name.
+    cp -p "$BUILT/examples/libetendue_c.so" "$SHARED"
+    cp -p "$BUILT/examples/libetendue_c.a" "$STATIC"
 }
 
 # Only etd_... stays visible in the archive. As rustc makes it, it shows the whole Rust runtime, which collides with that
@@ -97,7 +101,7 @@ describe() {
 # Everything that is installed: mode|where it comes from|where it goes; "link" with its target for a link.
 files() {
     cat <<END
-755|$RELEASE/examples/etendue|$PREFIX/bin/etendue
+755|$BUILT/examples/etendue|$PREFIX/bin/etendue
 755|$SHARED|$LIBDIR/libetendue.so.$VERSION
 link|libetendue.so.$VERSION|$LIBDIR/libetendue.so.$ABI
 link|libetendue.so.$ABI|$LIBDIR/libetendue.so

@@ -5,34 +5,27 @@ cd "$(dirname "$0")/.."
 
 step() { printf '\n== %s\n' "$*"; }
 
-# One build serves lints, tests and what is installed: a release's, with every check of arithmetic left on, which costs the tests no
-# time, optimised as in development. It has no link-time optimisation and parts of the crate are compiled by themselves, which is half of the
-# time that a release's build takes. It has a folder of its own. With ETENDUE_LTO set, as it is to be before a release, what is installed is
-# built and tried as it is released.
-folder=${CARGO_TARGET_DIR:-$PWD/target}/checked
-checked() {
-    env CARGO_TARGET_DIR="$folder" CARGO_PROFILE_RELEASE_DEBUG_ASSERTIONS=true CARGO_PROFILE_RELEASE_OVERFLOW_CHECKS=true \
-        CARGO_PROFILE_RELEASE_DEBUG=none CARGO_PROFILE_RELEASE_OPT_LEVEL=2 CARGO_PROFILE_RELEASE_LTO=off \
-        CARGO_PROFILE_RELEASE_CODEGEN_UNITS=16 ETENDUE_FEATURES=--all-features "$@"
-}
+# One build serves lints, tests and what is installed (`profile.checked` in Cargo.toml). With ETENDUE_LTO set, as it is to be before a
+# release, what is installed is built and tried as it is released.
 installed() {
-    if [ -n "${ETENDUE_LTO:-}" ]; then "$@"; else checked "$@"; fi
+    if [ -n "${ETENDUE_LTO:-}" ]; then "$@"; else env ETENDUE_PROFILE=checked ETENDUE_FEATURES=--all-features "$@"; fi
 }
 
 step "formatting"
 cargo fmt --all --check
 
 step "lints"
-checked cargo clippy --release --locked --all-targets --all-features -- -D warnings
-# As people build the program.
-checked cargo clippy --release --locked --lib --example etendue -- -D warnings
+cargo clippy --profile checked --locked --all-targets --all-features -- -D warnings
+# As people build the program, and the libraries.
+cargo clippy --profile checked --locked --lib --example etendue -- -D warnings
+cargo clippy --profile checked --locked --features capi --example etendue_c -- -D warnings
 
 step "tests"
-checked cargo test --release --locked --all-features
+cargo test --profile checked --locked --all-features
 
 step "documentation"
 # With an example, dependencies are those that the lints were given: nothing of them is checked once more.
-checked env RUSTDOCFLAGS="-D warnings" cargo doc --release --locked --no-deps --all-features --lib --example million_triangles
+RUSTDOCFLAGS="-D warnings" cargo doc --profile checked --locked --no-deps --all-features --lib --example million_triangles
 
 if command -v shellcheck >/dev/null 2>&1; then
     step "scripts"

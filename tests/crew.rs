@@ -6,6 +6,7 @@ mod common;
 use std::collections::VecDeque;
 use std::ops::ControlFlow;
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Duration;
 
@@ -164,11 +165,22 @@ impl Link for Channels {
 /// Renders with helpers, each with so many threads and of some health. Returns the render, its summary, and what became of the helpers.
 fn with_helpers(
     scene: &Scene,
-    mut render: Render,
+    render: Render,
     helpers: &[(RenderSettings, Health)],
     progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> (Render, Summary, Vec<etendue::Result<()>>) {
+    with_watched_helpers(scene, render, helpers, &mut |fraction, _| progress(fraction))
+}
+
+/// The same; `progress` is told too how many helpers have ended.
+fn with_watched_helpers(
+    scene: &Scene,
+    mut render: Render,
+    helpers: &[(RenderSettings, Health)],
+    progress: &mut dyn FnMut(f64, usize) -> ControlFlow<()>,
+) -> (Render, Summary, Vec<etendue::Result<()>>) {
     let (to_leader, from) = channel();
+    let ended = &AtomicUsize::new(0);
     std::thread::scope(|threads| {
         let mut to = Vec::new();
         let mut running = Vec::new();
@@ -179,12 +191,15 @@ fn with_helpers(
             running.push(threads.spawn(move || {
                 let (to, from) = end;
                 let mut link = Channels::new(to, from, own, *health);
-                help(scene, settings.clone(), &mut link)
+                let outcome = help(scene, settings.clone(), &mut link);
+                ended.fetch_add(1, Ordering::Release);
+                outcome
             }));
         }
         let mut link = Channels::new(to, from, 0, Health::Well);
         let mut crew = Crew::new(&mut link);
-        let summary = render.run_with(&mut crew, &mut |report| progress(report.fraction)).unwrap();
+        let summary =
+            render.run_with(&mut crew, &mut |report| progress(report.fraction, ended.load(Ordering::Acquire))).unwrap();
         drop(crew);
         let outcomes = running.into_iter().map(|helper| helper.join().unwrap()).collect();
         (render, summary, outcomes)
@@ -399,9 +414,12 @@ fn time_and_cancelling_end_a_render_with_helpers() {
     let own = Cancel::new();
     let cancelled = RenderSettings { cancel: own.clone(), ..settings };
     let helpers = [helpers[0].clone(), (cancelled, Health::Well)];
-    let (_, summary, outcomes) = with_helpers(&scene, render, &helpers, &mut |fraction| {
+    let mut reports_since = 0;
+    let (_, summary, outcomes) = with_watched_helpers(&scene, render, &helpers, &mut |fraction, ended| {
         own.cancel();
-        if fraction > 2e-5 {
+        // What the helper said at its end is heard before the next report.
+        reports_since += usize::from(ended > 0);
+        if fraction > 2e-5 && reports_since > 1 {
             cancel.cancel();
         }
         ControlFlow::Continue(())

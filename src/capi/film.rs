@@ -294,6 +294,13 @@ impl etd_film {
         }
     }
 
+    /// The summary of the last render.
+    pub(super) fn summary(&self) -> Result<etd_summary> {
+        self.summarise();
+        let summary = lock(&self.state).summary;
+        summary.ok_or_else(|| Failure::operation("no render has ended on this film yet"))
+    }
+
     /// The sums of the last render, and its summary as attributes of a file.
     pub(super) fn newest_sums(&self) -> Result<(Arc<Film>, Vec<(String, Attribute)>)> {
         self.summarise();
@@ -625,24 +632,6 @@ pub unsafe extern "C" fn etd_film_unmap(film: *mut etd_film, map: *mut etd_map) 
             state.recycle(frame);
             drop(state);
             write_sized(map, "map", etd_map { data: std::ptr::null(), id: 0, ..it })
-        })
-    }
-}
-
-/// Returns the summary of the last render to this film that has ended, or of a film that was loaded or merged. Error:
-/// `ETD_INVALID_OPERATION` before the first one. Thread-safe.
-///
-/// # Safety
-/// Each pointer must be NULL or point to a value of its type.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn etd_film_get_summary(film: *const etd_film, out_summary: *mut etd_summary) -> etd_status {
-    // SAFETY: the caller keeps this function's contract.
-    unsafe {
-        on(film, |film| {
-            film.summarise();
-            let summary = lock(&film.state).summary;
-            let summary = summary.ok_or_else(|| Failure::operation("no render has ended on this film yet"))?;
-            write_sized(out_summary, "out_summary", summary)
         })
     }
 }

@@ -1,9 +1,9 @@
-//! The image of a film in the host's memory or in a file.
+//! What a film has: its image in the host's memory or in a file, and the summary of its render.
 
 use std::ffi::c_char;
 use std::path::Path;
 
-use super::boundary::{need, on, optional_text, read_sized, text};
+use super::boundary::{need, on, optional_text, read_sized, text, write_sized};
 use super::film::etd_film;
 use super::read;
 use super::status::{Failure, Result, etd_status};
@@ -128,6 +128,17 @@ pub unsafe extern "C" fn etd_film_write(
             Ok(output::write(&sums.try_develop(options.threads)?, Path::new(path), &options)?)
         })
     }
+}
+
+/// Returns the summary of the last render to this film that has ended, or of a film that was loaded or merged. Error:
+/// `ETD_INVALID_OPERATION` before the first one. Thread-safe.
+///
+/// # Safety
+/// Each pointer must be NULL or point to a value of its type.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_film_get_summary(film: *const etd_film, out_summary: *mut etd_summary) -> etd_status {
+    // SAFETY: the caller keeps this function's contract.
+    unsafe { on(film, |film| write_sized(out_summary, "out_summary", film.summary()?)) }
 }
 
 /// # Safety

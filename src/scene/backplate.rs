@@ -1,7 +1,7 @@
 //! The picture that the camera sees behind everything.
 //!
 //! It belongs to the camera: light transport does not know of it, so that it lights nothing, and a scene without one pays nothing. A
-//! pass looks it up for each camera ray that met nothing (`render/pass.rs`).
+//! pass looks it up for each camera ray that met nothing (`render/pass/measurement.rs`).
 
 use std::sync::Arc;
 

@@ -46,8 +46,11 @@ impl Extent {
     const EMPTY: Self =
         Self { min: Vec3::splat(f32::INFINITY), max: Vec3::splat(f32::NEG_INFINITY), aim: Vec3::ZERO, intensity: 0.0 };
 
-    fn of(items: &[BuildItem]) -> Self {
-        items.iter().fold(Self::EMPTY, |all, item| all.with(&item.extent()))
+    fn of(items: &[BuildItem], cancel: &Cancel) -> Result<Self> {
+        items.chunks(EMITTERS_PER_CHECK).try_fold(Self::EMPTY, |all, block| {
+            cancel.check()?;
+            Ok(block.iter().fold(all, |all, item| all.with(&item.extent())))
+        })
     }
 
     #[inline]
@@ -244,13 +247,10 @@ const EMPTY: Node = Node {
 fn build_nodes(items: &mut [BuildItem], cancel: &Cancel) -> Result<Vec<Node>> {
     let mut nodes = Vec::with_capacity(items.len() / 2 + 1);
     let mut pending = vec![(0, items.len(), NONE)];
-    let mut until_check = 0;
     while let Some((start, end, parent)) = pending.pop() {
-        if until_check < end - start {
+        // Splits of more than a few look for themselves.
+        if nodes.len() % EMITTERS_PER_CHECK == 0 {
             cancel.check()?;
-            until_check = EMITTERS_PER_CHECK;
-        } else {
-            until_check -= end - start;
         }
         let number = nodes.len() as u32;
         let mut node = Node { parent, ..EMPTY };
@@ -300,8 +300,8 @@ fn split_in_four(
         let middle = start + split(&mut items[start..end], cancel)?;
         parts[costliest] = (start, middle);
         parts[count] = (middle, end);
-        costs[costliest] = Extent::of(&items[start..middle]).cost();
-        costs[count] = Extent::of(&items[middle..end]).cost();
+        costs[costliest] = Extent::of(&items[start..middle], cancel)?.cost();
+        costs[count] = Extent::of(&items[middle..end], cancel)?.cost();
         count += 1;
     }
     Ok(count)
@@ -363,6 +363,9 @@ fn split(items: &mut [BuildItem], cancel: &Cancel) -> Result<usize> {
     let (_, axis, first) = best;
     let mut count = 0;
     for k in 0..items.len() {
+        if k % EMITTERS_PER_CHECK == 0 {
+            cancel.check()?;
+        }
         if (bin(&items[k])[axis] as usize) < first {
             items.swap(k, count);
             count += 1;

@@ -39,6 +39,18 @@ pub enum MapKind {
     Global,
 }
 
+impl MapKind {
+    /// The map's name in messages and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Direct => "direct",
+            Self::Caustic => "caustic",
+            Self::Indirect => "indirect",
+            Self::Global => "global",
+        }
+    }
+}
+
 /// Balance of the light that was emitted, power (W).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tally {

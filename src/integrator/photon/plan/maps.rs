@@ -65,18 +65,6 @@ pub(super) fn build_maps<C: Spectrum>(
     Ok(maps)
 }
 
-impl MapKind {
-    /// The map's name in messages and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Direct => "direct",
-            Self::Caustic => "caustic",
-            Self::Indirect => "indirect",
-            Self::Global => "global",
-        }
-    }
-}
-
 impl<C: Spectrum> BuiltMap<C> {
     pub fn is_of_indirect_light(&self) -> bool {
         matches!(self.kind, MapKind::Indirect | MapKind::Global)
