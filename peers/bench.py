@@ -38,7 +38,7 @@ import ours
 import pictures
 import references
 from adapters import Refused, Skipped, read
-from adapters.cycles import Cycles
+from adapters.cycles import Cycles, CyclesGuided
 from adapters.etendue import Etendue
 from adapters.luxcore import LuxCore
 from adapters.mitsuba import Mitsuba
@@ -54,6 +54,7 @@ PEERS = {
     "ospray": Ospray,
     "povray": Povray,
     "cycles": Cycles,
+    "cycles-guided": CyclesGuided,
 }
 TOLERANCE = 0.01
 """Of channel means; beyond it a renderer draws another picture."""

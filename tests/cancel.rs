@@ -40,14 +40,14 @@ const INTEGRATORS: [IntegratorDesc; 3] = [IntegratorDesc::Path, IntegratorDesc::
 /// How long the render of such a number goes on after it was told to stop, `delay` after its beginning.
 fn latency(scene: &Scene, number: usize, delay: Duration) -> Duration {
     let desc = RenderDesc {
-        resolution: if number % 2 == 0 { [4, 4] } else { [200, 150] },
+        resolution: if number.is_multiple_of(2) { [4, 4] } else { [200, 150] },
         samples: 1 << 20,
         integrator: INTEGRATORS[number % 3],
-        shadow_rays: if number % 5 == 0 { 1024 } else { 1 },
+        shadow_rays: if number.is_multiple_of(5) { 1024 } else { 1 },
         ..RenderDesc::default()
     };
     let cancel = Cancel::new();
-    let workers = (number % 7 == 0).then(Workers::calling_thread);
+    let workers = number.is_multiple_of(7).then(Workers::calling_thread);
     let settings = RenderSettings { desc, workers, cancel: cancel.clone(), ..RenderSettings::default() };
     let mut render = Render::new(scene, settings).expect("settings of the test");
     std::thread::scope(|scope| {

@@ -152,7 +152,7 @@ fn stopped(at: f64, options: BuildOptions, build: impl FnOnce(&BuildOptions) -> 
 /// say nothing of, such as the beginning of Embree's work and the tree of lights, is stopped from outside.
 #[test]
 fn a_build_stops_soon_in_every_phase() {
-    const MOMENTS: u32 = 12;
+    const MOMENTS: u32 = 8;
     const TRIES: usize = 10;
     let device = device();
     for (what, desc, dynamic) in flavours(708) {

@@ -81,6 +81,9 @@ pub struct etd_film {
 }
 object!(etd_film, b"EtFi", "film");
 
+/// A summary as attributes of a file, by their names.
+type Attributes = Vec<(String, Attribute)>;
+
 struct FilmState {
     resolution: [u32; 2],
     /// How often the film was resized, which tells images of before apart.
@@ -108,7 +111,7 @@ struct FilmState {
     kept: Option<Kept>,
     summary: Option<etd_summary>,
     /// The summary as attributes of an EXR's header.
-    attributes: Vec<(String, Attribute)>,
+    attributes: Attributes,
 }
 
 /// The state of a render, to be saved or gone on from.
@@ -302,7 +305,7 @@ impl etd_film {
     }
 
     /// The sums of the last render, and its summary as attributes of a file.
-    pub(super) fn newest_sums(&self) -> Result<(Arc<Film>, Vec<(String, Attribute)>)> {
+    pub(super) fn newest_sums(&self) -> Result<(Arc<Film>, Attributes)> {
         self.summarise();
         let state = lock(&self.state);
         let sums = state.sums.clone().ok_or_else(|| Failure::operation("nothing was rendered to the film yet"))?;
@@ -355,7 +358,7 @@ impl etd_film {
     }
 
     /// Sets the summary of the last render, as attributes of files.
-    pub(super) fn set_attributes(&self, attributes: Vec<(String, Attribute)>) {
+    pub(super) fn set_attributes(&self, attributes: Attributes) {
         lock(&self.state).attributes = attributes;
     }
 

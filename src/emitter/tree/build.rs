@@ -249,7 +249,7 @@ fn build_nodes(items: &mut [BuildItem], cancel: &Cancel) -> Result<Vec<Node>> {
     let mut pending = vec![(0, items.len(), NONE)];
     while let Some((start, end, parent)) = pending.pop() {
         // Splits of more than a few look for themselves.
-        if nodes.len() % EMITTERS_PER_CHECK == 0 {
+        if nodes.len().is_multiple_of(EMITTERS_PER_CHECK) {
             cancel.check()?;
         }
         let number = nodes.len() as u32;
@@ -363,7 +363,7 @@ fn split(items: &mut [BuildItem], cancel: &Cancel) -> Result<usize> {
     let (_, axis, first) = best;
     let mut count = 0;
     for k in 0..items.len() {
-        if k % EMITTERS_PER_CHECK == 0 {
+        if k.is_multiple_of(EMITTERS_PER_CHECK) {
             cancel.check()?;
         }
         if (bin(&items[k])[axis] as usize) < first {
