@@ -4,7 +4,7 @@
 # Usage: scripts/hosts.sh PREFIX
 #   with gcc and clang, C99, C++17 and C++20, by pkg-config and by CMake; then under AddressSanitizer and UBSan, under
 #   ThreadSanitizer, and under valgrind. What is not installed is left out, with a line that says so; REQUIRE_ALL=1 makes
-#   that an error. ETENDUE_CLI: the command-line program to compare images with (default: that of a release build).
+#   that an error. ETENDUE_CLI: the command-line program to compare images with (default: that of PREFIX).
 set -eu
 cd "$(dirname "$0")/.."
 root=$PWD
@@ -198,12 +198,11 @@ cc=${first%:*}
 cxx=${first#*:}
 
 say "the same bytes as from Rust"
-cli=${ETENDUE_CLI:-${CARGO_TARGET_DIR:-target}/release/examples/etendue}
+cli=${ETENDUE_CLI:-$prefix/bin/etendue}
 if [ -x "$cli" ]; then
     run tests/capi/same_bytes.sh "$cli" "$work/$cc-tests/same_bytes"
 else
-    skip "images are not compared with those of the command-line program: there is no $cli (cargo build --release \
---example etendue)"
+    skip "images are not compared with those of the command-line program: there is no $cli"
 fi
 
 if has cmake; then
