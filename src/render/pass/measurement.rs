@@ -107,6 +107,12 @@ pub(super) struct SampleJob {
 }
 
 impl SampleJob {
+    /// The number of the pixel where the film is the picture, row by row.
+    fn number(&self, pass: &Pass) -> usize {
+        let [x, y] = self.pixel;
+        (y * pass.input.film.options().resolution[0] + x) as usize
+    }
+
     /// The film position, in pixels.
     pub fn place(&self) -> [f32; 2] {
         let [column, row] = self.pixel.map(|index| index as f32 + 0.5);
@@ -152,7 +158,9 @@ pub(super) trait Measurement: Sync {
     type Memory: Default;
 
     /// Number of samples in a batch. It is 1 where a sample needs the state that the pixel's previous sample left.
-    fn batch_size(&self, pass: &Pass) -> usize;
+    fn batch_size(&self, _pass: &Pass) -> usize {
+        SAMPLES_PER_BATCH
+    }
 
     /// Greatest number of samples in a group, whose estimates depend on each other.
     fn group_size(&self) -> usize {
@@ -303,15 +311,10 @@ impl Measurement for Irradiance {
     type Carried = Rgb;
     type Memory = ();
 
-    fn batch_size(&self, _pass: &Pass) -> usize {
-        SAMPLES_PER_BATCH
-    }
-
     #[inline(always)]
     fn take<S: Sampler, T: Tracer>(&self, pass: &Pass, batch: &mut Batch<S, Self>, tracer: &mut T) {
         for (job, sample) in batch.jobs.iter().zip(&mut batch.samples) {
-            let [x, y] = job.pixel;
-            let site = (y * pass.input.film.options().resolution[0] + x) as usize;
+            let site = job.number(pass);
             let place = job.offset.map(|offset| offset + 0.5);
             sample.radiance = self.estimate(&pass.input.scene, site, place, &mut sample.sampler, tracer);
         }
@@ -323,15 +326,10 @@ impl Measurement for Probes {
     type Carried = Rgb;
     type Memory = ();
 
-    fn batch_size(&self, _pass: &Pass) -> usize {
-        SAMPLES_PER_BATCH
-    }
-
     #[inline(always)]
     fn take<S: Sampler, T: Tracer>(&self, pass: &Pass, batch: &mut Batch<S, Self>, tracer: &mut T) {
         for (job, sample) in batch.jobs.iter().zip(&mut batch.samples) {
-            let [x, y] = job.pixel;
-            let number = (y * pass.input.film.options().resolution[0] + x) as usize;
+            let number = job.number(pass);
             sample.radiance = self.estimate(&pass.input.scene, number, &mut sample.sampler, tracer);
         }
     }

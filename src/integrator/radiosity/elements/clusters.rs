@@ -68,15 +68,9 @@ impl Elements {
             parent,
             first,
             children: 2,
-            patch: NONE,
             corners: [range.start, range.end, self.clusters],
             cone: cone.min(std::f64::consts::PI),
-            area_ratio: 1.0,
-            opening: 1.0,
-            is_hollow: false,
-            depth: 0.0,
-            bends: None,
-            is_discontinuous: false,
+            ..empty()
         };
         self.clusters += 1;
         self.nodes[slot as usize] = cluster;
