@@ -40,7 +40,12 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Diffuse emitting walls, a mirror ball, a glass ball: every kind of event.
+/// A quad at this height.
+fn flat_mirror(y: f64) -> ShapeDesc {
+    ShapeDesc::Quad([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].map(|[x, z]| DVec3::new(x, y, z)))
+}
+
+/// Diffuse emitting walls, a mirror ball, a glass ball, flat mirrors: every kind of event.
 fn room() -> SceneDesc {
     let sphere = |x: f64| ShapeDesc::Sphere { centre: DVec3::new(x, 0.0, -0.8), radius: 0.3 };
     let mut desc = scene(
@@ -53,6 +58,8 @@ fn room() -> SceneDesc {
             ),
             (sphere(-0.4), BsdfDesc::Mirror { reflectance: Rgb::splat(0.9) }, None),
             (sphere(0.4), BsdfDesc::Dielectric { ior: 1.5, exterior_ior: 1.0 }, None),
+            (flat_mirror(-0.99), BsdfDesc::Mirror { reflectance: Rgb::splat(0.9) }, None),
+            (flat_mirror(0.99), BsdfDesc::Mirror { reflectance: Rgb::splat(0.9) }, None),
         ],
     );
     desc.meshes.push(box_inside(DVec3::splat(-1.0), DVec3::ONE).into());
@@ -112,6 +119,8 @@ fn no_allocation_per_sample() {
 
     let scene = Scene::build(&room(), &BuildOptions { threads: 1, ..BuildOptions::default() }).unwrap();
     let mut sobol = SobolSampler::new(1, 4);
+    // What a scene gathers when it is first asked.
+    count(&scene, &Path::new(None, 1), &mut sobol);
     let mut pattern = PatternSampler::new(Pattern::Jittered, 1, 4);
     for (what, (allocations, rays)) in [
         ("path", count(&scene, &Path::new(None, 2), &mut sobol)),

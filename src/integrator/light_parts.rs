@@ -13,17 +13,27 @@ use crate::spectrum::Spectrum;
 
 /// Path tracing or local illumination that fills [`Sample::parts`].
 #[derive(Clone, Copy)]
-pub struct LightParts(Limits<'static>);
+pub struct LightParts {
+    limits: Limits<'static>,
+    /// Whether light samples look for lamps in flat mirrors.
+    in_mirrors: bool,
+}
+
+impl LightParts {
+    fn limits<'s>(&self, scene: &'s Scene) -> Limits<'s> {
+        Limits { mirrors: scene.flat_mirrors().filter(|_| self.in_mirrors), ..self.limits }
+    }
+}
 
 impl From<Path> for LightParts {
     fn from(path: Path) -> Self {
-        Self(path.limits())
+        Self { limits: path.limits(), in_mirrors: true }
     }
 }
 
 impl From<Direct> for LightParts {
     fn from(direct: Direct) -> Self {
-        Self(direct.limits())
+        Self { limits: direct.limits(), in_mirrors: false }
     }
 }
 
@@ -38,7 +48,7 @@ impl<C: Spectrum> Transport<C> for LightParts {
         context: &mut Context<'_, S, T, C>,
         first: &mut impl FnMut(FirstHit),
     ) -> C {
-        trace(ray, context.scene.media_at(&ray), context, first, &self.0)
+        trace(ray, context.scene.media_at(&ray), context, first, &self.limits(context.scene))
     }
 
     const IN_WAVES: bool = true;
@@ -52,6 +62,6 @@ impl<C: Spectrum> Transport<C> for LightParts {
         wave: &mut Wave<C>,
         tracer: &mut T,
     ) {
-        wave.trace_in_parts(scene, samples, tracer, &self.0);
+        wave.trace_in_parts(scene, samples, tracer, &self.limits(scene));
     }
 }

@@ -10,6 +10,7 @@ pub mod irradiance_cache;
 mod light_parts;
 pub mod light_tracing;
 mod media;
+mod mirrored;
 mod path;
 pub mod photon;
 mod probes;

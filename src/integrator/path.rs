@@ -44,6 +44,11 @@ impl Path {
             ..Limits::new(self.shadow_rays)
         }
     }
+
+    /// The same with the flat mirrors of a scene.
+    pub(super) fn limits_in<'s>(&self, scene: &'s Scene) -> Limits<'s> {
+        Limits { mirrors: scene.flat_mirrors(), ..self.limits() }
+    }
 }
 
 impl<C: Spectrum> Transport<C> for Path {
@@ -56,7 +61,7 @@ impl<C: Spectrum> Transport<C> for Path {
         context: &mut Context<'_, S, T, C>,
         first: &mut impl FnMut(FirstHit),
     ) -> C {
-        trace(ray, context.scene.media_at(&ray), context, first, &self.limits())
+        trace(ray, context.scene.media_at(&ray), context, first, &self.limits_in(context.scene))
     }
 
     const IN_WAVES: bool = true;
@@ -70,7 +75,7 @@ impl<C: Spectrum> Transport<C> for Path {
         wave: &mut Wave<C>,
         tracer: &mut T,
     ) {
-        wave.trace(scene, samples, tracer, &self.limits());
+        wave.trace(scene, samples, tracer, &self.limits_in(scene));
     }
 }
 
@@ -106,7 +111,7 @@ impl Transport<Rgb> for LitPath {
         wave: &mut Wave<Rgb>,
         tracer: &mut T,
     ) {
-        let limits = Limits { light_paths: self.light_paths.as_ref(), ..self.path.limits() };
+        let limits = Limits { light_paths: self.light_paths.as_ref(), ..self.path.limits_in(scene) };
         wave.trace(scene, samples, tracer, &limits);
     }
 }

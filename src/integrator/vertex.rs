@@ -282,6 +282,12 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         Vertex { surface, bsdf, lobes, hit, survival, mode, wavelengths, alone, media, frame, wo, wo_scene, turned }
     }
 
+    /// The hit; `None` where the vertex was not met by a ray.
+    #[inline]
+    pub fn hit(&self) -> Option<&Hit> {
+        self.hit
+    }
+
     /// Direction back along the path, scene frame.
     #[inline]
     pub fn wo_scene(&self) -> Vec3 {
@@ -587,7 +593,7 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
 
     /// The geometric normal on the side into which `wi` leaves.
     #[inline]
-    fn side(&self, wi: Vec3) -> Vec3 {
+    pub(super) fn side(&self, wi: Vec3) -> Vec3 {
         if wi.dot(self.surface.ng) < 0.0 { -self.surface.ng } else { self.surface.ng }
     }
 

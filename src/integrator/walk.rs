@@ -4,14 +4,16 @@
 //!
 //! Source: Arvo and Kirk 1990, "Particle Transport and Image Synthesis" (roulette).
 
+use super::aim::Aims;
 use super::light_tracing::{LightPaths, is_of_chain};
 use super::media::{arrive, left_after};
+use super::mirrored::{self, MOST_MIRRORS, Way};
 use super::tracer::{Context, FirstHit, Tracer};
 use super::vertex::{Bounce, PreviousBounce, Vertex, escaped};
 use crate::desc::MAX_SHADOW_RAYS;
 use crate::math::Ray;
 use crate::sampling::Sampler;
-use crate::scene::{Hit, PathMedia, Scene};
+use crate::scene::{FlatMirrors, Hit, PathMedia, Scene};
 use crate::spectrum::Spectrum;
 
 /// From this bounce on no path survives with certainty, so that every path ends, even among perfect mirrors. Light guides
@@ -40,6 +42,8 @@ pub(super) struct Limits<'l> {
     pub previous: PreviousBounce,
     /// Light paths that find caustics beside the path, where a render has them.
     pub light_paths: Option<&'l LightPaths>,
+    /// Flat mirrors in which light samples look for lamps.
+    pub mirrors: Option<&'l FlatMirrors>,
 }
 
 impl Limits<'_> {
@@ -53,6 +57,7 @@ impl Limits<'_> {
             mirrors_see_lights: false,
             previous: None,
             light_paths: None,
+            mirrors: None,
         }
     }
 
@@ -83,6 +88,8 @@ pub(super) struct Walk<C: Spectrum> {
     roulette_reference: f32,
     /// Whether the path has left a surface by other than a perfectly specular lobe.
     is_scattered: bool,
+    /// Number of perfectly specular surfaces that the path has met since its last bounce that has a density.
+    mirrors_met: u32,
     /// Whether the path goes on with its first wavelength alone.
     pub alone: C::Alone,
     /// Number of hits so far, including the current one.
@@ -101,6 +108,7 @@ impl<C: Spectrum> Walk<C> {
             density: 0.0,
             roulette_reference: 1.0,
             is_scattered: previous.is_some(),
+            mirrors_met: 0,
             alone: C::Alone::default(),
             depth: 0,
         }
@@ -203,12 +211,12 @@ impl<C: Spectrum> Walk<C> {
         sampler: &mut S,
         limits: &Limits,
         first: &mut impl FnMut(FirstHit),
-        mut light: impl FnMut(&mut C, Ray, C),
+        mut light: impl FnMut(&mut C, Way, C),
     ) -> Option<Ray> {
         if !self.arrive(scene, vertex, limits, first) {
             return None;
         }
-        self.scatter(scene, vertex, sampler, limits, &mut light).map(|bounce| bounce.ray)
+        self.scatter(scene, vertex, sampler, (limits, None), &mut light).map(|bounce| bounce.ray)
     }
 
     /// Arrives at the next vertex and adds the light that its surface emits. Whether the surface also scatters light, at a depth that
@@ -241,26 +249,57 @@ impl<C: Spectrum> Walk<C> {
         if self.is_scattered { limits.shadow_rays } else { limits.first_shadow_rays }
     }
 
-    /// Takes light samples at the vertex where the path has arrived, as [`Self::meet`] does, and samples its next direction.
+    /// Takes light samples at the vertex where the path has arrived, as [`Self::meet`] does, and samples its next direction. `aims`: what
+    /// another ray of the vertex is aimed at.
     #[inline(always)]
     pub fn scatter<S: Sampler>(
         &mut self,
         scene: &Scene,
         vertex: &Vertex<'_, C>,
         sampler: &mut S,
-        limits: &Limits,
-        light: &mut impl FnMut(&mut C, Ray, C),
+        (limits, aims): (&Limits, Option<&Aims>),
+        light: &mut impl FnMut(&mut C, Way, C),
     ) -> Option<Bounce<C>> {
         let shadow_rays = self.shadow_rays(limits);
         if vertex.finds_light_samples() && !scene.emitters().is_dark() {
+            let mirrors = self.mirrors_beside(limits);
             for _ in 0..shadow_rays {
-                if let Some((shadow, sent)) = vertex.light_sample(scene, sampler.next_4d(), shadow_rays, false) {
+                let u = sampler.next_4d();
+                if let Some((shadow, sent)) = vertex.light_sample(scene, u, shadow_rays, false) {
                     let sent = vertex.dispersed(&shadow, self.throughput * sent, self.alone);
-                    light(&mut self.radiance, shadow, sent);
+                    light(&mut self.radiance, Way::Straight(shadow), sent);
+                }
+                if let Some(mirrors) = mirrors
+                    && let Some(u) = mirrored::chosen(u)
+                    && let Some((way, sent)) = mirrored::sample(vertex, scene, mirrors, aims, u, shadow_rays)
+                {
+                    let [to_mirror, ..] = way.rays();
+                    let sent = self.throughput * sent;
+                    let sent = to_mirror.map_or(sent, |ray| vertex.dispersed(&ray, sent, self.alone));
+                    light(&mut self.radiance, Way::ByMirrors(way), sent);
                 }
             }
         }
         self.bounce(vertex, sampler, limits)
+    }
+
+    /// The flat mirrors in which light samples look for lamps at the vertex where the path has arrived, and how many of them its bounce
+    /// may meet on the way.
+    #[inline(always)]
+    pub fn mirrors_beside<'l>(&self, limits: &Limits<'l>) -> Option<(&'l FlatMirrors, u32)> {
+        let mirrors = limits.mirrors?;
+        let left = limits.max_depth.saturating_sub(self.depth);
+        (left > 1).then(|| (mirrors, left - 1))
+    }
+
+    /// The bounce that led to the flat mirror where the path has arrived, as seen in the mirror: a light sample there may have looked for a
+    /// lamp this way.
+    #[cold]
+    #[inline(never)]
+    fn mirrored(&self, vertex: &Vertex<'_, C>, limits: &Limits) -> PreviousBounce {
+        let (mirrors, previous) = (limits.mirrors?, self.previous?);
+        let met = self.mirrors_met + 1;
+        if met <= MOST_MIRRORS { mirrored::previous(vertex, mirrors, previous, met) } else { None }
     }
 
     /// Forgets what the path has brought and carried so far: from here on its radiance is what arrives here.
@@ -285,10 +324,12 @@ impl<C: Spectrum> Walk<C> {
     /// A path that leaves this one at its vertex with this weight, this density in the sense of [`LightPaths::density`] and no radiance
     /// yet, and that roulette does not end before [`Self::end_of_chain`].
     #[inline]
-    pub fn aimed(&self, weight: C, density: f32) -> Self {
+    pub fn aimed(&self, weight: C, density: f32, previous: PreviousBounce) -> Self {
         let mut walk = self.branch(weight, false);
         walk.density = density;
+        walk.previous = previous;
         walk.is_scattered = true;
+        walk.mirrors_met = 0;
         walk.eta2 = 1.0;
         walk.keep_for_certain();
         walk
@@ -299,6 +340,9 @@ impl<C: Spectrum> Walk<C> {
     pub fn weigh(&mut self, weight: f32) {
         self.throughput *= weight;
         self.density /= weight;
+        if let Some((_, pdf)) = &mut self.previous {
+            *pdf /= weight;
+        }
     }
 
     /// Lets the path survive the next bounce.
@@ -339,7 +383,12 @@ impl<C: Spectrum> Walk<C> {
         self.throughput *= bounce.weight;
         self.disperse(bounce.disperses);
         self.eta2 *= bounce.eta * bounce.eta;
-        self.previous = bounce.pdf.map(|pdf| (vertex.receiver(), pdf / self.shadow_rays(limits) as f32));
+        self.previous = match bounce.pdf {
+            Some(pdf) => Some((vertex.receiver(), pdf / self.shadow_rays(limits) as f32)),
+            None if limits.mirrors.is_some() => self.mirrored(vertex, limits),
+            None => None,
+        };
+        self.mirrors_met = if bounce.pdf.is_none() { self.mirrors_met + 1 } else { 0 };
         self.is_scattered |= bounce.pdf.is_some();
         self.density = match (bounce.pdf, limits.light_paths) {
             (None, _) if is_of_chain(vertex, depth - 1) => self.density * (bounce.eta * bounce.eta),
@@ -377,7 +426,7 @@ pub(super) fn trace<C: Spectrum, S: Sampler, T: Tracer>(
     limits: &Limits,
 ) -> C {
     let mut walk = Walk::new(limits.previous);
-    let mut next = Some(ray);
+    let (mut next, mut mirrored) = (Some(ray), C::ZERO);
     while let Some(ray) = next {
         let hit = arrive(context.scene, context.tracer, &ray, &mut media);
         walk.pass_media(context.scene, &ray, hit.as_ref(), media, &context.wavelengths);
@@ -388,16 +437,24 @@ pub(super) fn trace<C: Spectrum, S: Sampler, T: Tracer>(
         let mut slot = None;
         let vertex = Vertex::new(context.scene, &ray, &hit, context.wavelengths, media, &mut slot);
         let Context { scene, sampler, tracer, .. } = context;
-        next = walk.meet(scene, &vertex, *sampler, limits, first, |radiance, shadow, sent| {
-            if let Some(sent) = vertex.unoccluded(scene, *tracer, &shadow, sent) {
-                *radiance += sent;
+        next = walk.meet(scene, &vertex, *sampler, limits, first, |radiance, way, sent| match way {
+            Way::Straight(shadow) => {
+                if let Some(sent) = vertex.unoccluded(scene, *tracer, &shadow, sent) {
+                    *radiance += sent;
+                }
+            }
+            // There are no media where light samples look for lamps in mirrors.
+            Way::ByMirrors(way) => {
+                if way.rays().iter().flatten().all(|ray| tracer.unoccluded(ray)) {
+                    mirrored += sent;
+                }
             }
         });
         if let Some(next) = &next {
             media = vertex.media_beyond(scene, next);
         }
     }
-    walk.radiance
+    walk.radiance + mirrored
 }
 
 /// Light that a vertex scatters back along the path, by light samples combined with one path of up to `max_depth` hits that

@@ -6,6 +6,7 @@
 //! Source: Laine, Karras, Aila 2013, "Megakernels Considered Harmful: Wavefront Path Tracing on GPUs".
 
 use super::media::{light_through, seen};
+use super::mirrored::{Folded, MOST_MIRRORS, Way};
 use super::tracer::{FirstHit, Tracer};
 use super::vertex::Vertex;
 use super::walk::{Limits, Walk};
@@ -58,6 +59,10 @@ pub struct Wave<C: Spectrum = Rgb> {
     shadows: Vec<Ray>,
     lights: Vec<(u32, C)>,
     clear: Vec<bool>,
+    /// Ways to lamps by flat mirrors, with the same, and what each path has found by them; empty where no light sample looks for lamps
+    /// there.
+    ways: Vec<(Folded, (u32, C))>,
+    mirrored: Vec<C>,
     /// The media of each path, and those at the origin of each shadow ray; empty in scenes without media.
     media: Vec<PathMedia>,
     shadow_media: Vec<PathMedia>,
@@ -124,7 +129,7 @@ impl<C: Spectrum> Wave<C> {
         tracer: &mut T,
         limits: &Limits,
     ) {
-        let Self { walks, active, rays, hits, shadows, lights, clear, media, shadow_media } = self;
+        let Self { walks, active, rays, hits, shadows, lights, clear, ways, mirrored, media, shadow_media } = self;
         walks.clear();
         walks.resize(samples.len(), Walk::new(limits.previous));
         active.clear();
@@ -141,6 +146,12 @@ impl<C: Spectrum> Wave<C> {
         lights.clear();
         lights.reserve(most_shadows);
         clear.reserve(most_shadows.saturating_sub(clear.len()));
+        ways.clear();
+        mirrored.clear();
+        if limits.mirrors.is_some() {
+            ways.reserve(most_shadows);
+            mirrored.resize(samples.len(), C::ZERO);
+        }
         media.clear();
         if MEDIA {
             media.extend(rays.iter().filter_map(|ray| scene.media_at(ray)));
@@ -185,12 +196,15 @@ impl<C: Spectrum> Wave<C> {
                     sampler,
                     limits,
                     &mut |hit| *first = Some(hit),
-                    |_, shadow, light| {
-                        if MEDIA {
-                            shadow_media.extend(vertex.media_beyond(scene, &shadow));
+                    |_, way, light| match way {
+                        Way::Straight(shadow) => {
+                            if MEDIA {
+                                shadow_media.extend(vertex.media_beyond(scene, &shadow));
+                            }
+                            shadows.push(shadow);
+                            lights.push((number, light));
                         }
-                        shadows.push(shadow);
-                        lights.push((number, light));
+                        Way::ByMirrors(way) => ways.push((way, (number, light))),
                     },
                 );
                 if PARTS {
@@ -227,6 +241,11 @@ impl<C: Spectrum> Wave<C> {
                     walks[*number as usize].radiance += *light;
                 }
             }
+            if !ways.is_empty() {
+                unoccluded_by_mirrors(tracer, ways, shadows, clear, |(number, light)| {
+                    mirrored[*number as usize] += *light;
+                });
+            }
         }
         for (sample, walk) in samples.iter_mut().zip(walks) {
             sample.radiance = walk.radiance;
@@ -238,7 +257,35 @@ impl<C: Spectrum> Wave<C> {
                 sample.parts[1] = up_to_direct - emission;
             }
         }
+        // No part of what was scattered once.
+        for (sample, mirrored) in samples.iter_mut().zip(mirrored) {
+            sample.radiance += *mirrored;
+        }
     }
+}
+
+/// Hands over what is sent along each of the ways to lamps by flat mirrors that are clear, and empties their list. `shadows` and `clear` are
+/// memory for the rays.
+#[cold]
+#[inline(never)]
+pub(super) fn unoccluded_by_mirrors<A, T: Tracer>(
+    tracer: &mut T,
+    ways: &mut Vec<(Folded, A)>,
+    shadows: &mut Vec<Ray>,
+    clear: &mut Vec<bool>,
+    mut arrive: impl FnMut(&A),
+) {
+    for leg in 0..=MOST_MIRRORS as usize {
+        let ray = |way: &Folded| way.rays()[leg];
+        shadows.clear();
+        shadows.extend(ways.iter().filter_map(|(way, _)| ray(way)));
+        clear.resize(shadows.len(), false);
+        tracer.unoccluded_many(shadows, clear);
+        let mut answers = clear.iter();
+        ways.retain(|(way, _)| ray(way).is_none() || answers.next().is_some_and(|clear| *clear));
+    }
+    ways.iter().for_each(|(_, arrival)| arrive(arrival));
+    ways.clear();
 }
 
 #[cfg(test)]
@@ -295,6 +342,7 @@ mod tests {
             compare(&scene, &Path::new(Some(4), 3), &pattern);
             compare(&scene, &Path { first_shadow_rays: 4, ..Path::new(None, 1) }, &sobol);
             compare(&scene, &Direct { shadow_rays: 2 }, &sobol);
+            compare(&scene, &LightParts::from(Path::new(None, 1)), &sobol);
             // Shapes are user geometry in Embree's tree.
             let all = BuildOptions { listed_shapes: Some(0), ..BuildOptions::default() };
             compare(&Scene::build(&desc, &all).unwrap(), &Path::new(None, 1), &sobol);

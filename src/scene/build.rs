@@ -252,6 +252,7 @@ fn complete(
         record: assembly.record,
         appearance: Arc::new(appearance),
         stated_survival: roulette::stated_survival(desc),
+        flat_mirrors: Arc::default(),
     };
     // A camera that cannot be is refused here and not by the first render.
     scene.moving_camera(desc.render.resolution)?;

@@ -85,6 +85,11 @@ impl InstancePath {
         self.is_of_group
     }
 
+    /// Whether the instance moves.
+    pub(super) fn moves(&self) -> bool {
+        !self.steps.is_empty()
+    }
+
     /// The transform at time 0.
     pub(super) fn start(&self) -> &InstanceTransform {
         &self.start

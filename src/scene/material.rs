@@ -176,6 +176,22 @@ impl Material {
         if self.varying.is_none() { Some((bsdf, self.lobes)) } else { None }
     }
 
+    /// The Bsdf in the channels of a path, where it is the same everywhere; it is put into `slot` where the material's own does not serve.
+    #[inline]
+    pub(super) fn everywhere<'a, C: Spectrum>(
+        &'a self,
+        wavelengths: &C::Wavelengths,
+        slot: &'a mut Option<Bsdf<C>>,
+    ) -> Option<&'a Bsdf<C>> {
+        if self.is_varying() {
+            return None;
+        }
+        match self.constant() {
+            Some((bsdf, _)) => Some(bsdf),
+            None => Some(slot.insert(self.bsdf.in_spectrum(wavelengths))),
+        }
+    }
+
     /// The Bsdf at a hit on the surface of a body in a medium of this index of refraction.
     pub(super) fn at_body<'d>(&self, detail: impl FnOnce(bool) -> SurfaceDetail<'d>, around: f32) -> Bsdf {
         match &self.varying {

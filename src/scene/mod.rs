@@ -24,6 +24,7 @@ mod emission_webs;
 mod emissive;
 mod faces;
 mod facets;
+mod flat_mirrors;
 mod frame;
 mod geometry;
 mod groups;
@@ -61,6 +62,7 @@ pub use describe::HitDescription;
 pub use detail::SurfaceDetail;
 pub(crate) use faces::{Body, Face, FaceNumbers};
 pub use facets::{Facet, SurfaceMesh};
+pub(crate) use flat_mirrors::FlatMirrors;
 pub use hit::Hit;
 pub use info::{SceneInfo, WebInfo};
 pub use interaction::SurfaceInteraction;
@@ -69,7 +71,7 @@ pub(crate) use media::PathMedia;
 pub use options::BuildOptions;
 pub use specular::{Ball, SpecularPart};
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use crate::desc::CameraDesc;
 use crate::embree::{self, Device, PACKET};
@@ -118,6 +120,8 @@ pub struct Scene {
     appearance: Arc<AppearanceKey>,
     /// The survival probability that the description states for each material; `None` where no material states one.
     stated_survival: Option<Arc<[Option<f32>]>>,
+    /// What [`Scene::flat_mirrors`] found, once it was asked for.
+    flat_mirrors: Arc<OnceLock<FlatMirrors>>,
 }
 
 impl std::fmt::Debug for Scene {
@@ -353,6 +357,7 @@ impl Scene {
         materials[index] = Material::varying(varying);
         self.needs = MaterialNeeds::of(&materials);
         self.materials = materials.into();
+        self.flat_mirrors = Arc::default();
     }
 
     /// Replaces the emitters and keeps the surfaces.
@@ -367,6 +372,7 @@ impl Scene {
         let mut materials = self.materials.to_vec();
         materials[material] = Material::uniform(bsdf);
         self.materials = materials.into();
+        self.flat_mirrors = Arc::default();
     }
 
     /// All emitters of the scene.

@@ -18,6 +18,7 @@ mod leaving;
 mod light_paths;
 mod lights;
 mod media;
+mod mirrors;
 mod motion;
 mod photometry;
 mod photons;
@@ -45,6 +46,7 @@ fn groups() -> Vec<(&'static str, Vec<Entry>)> {
         ("transport", transport::cases()),
         ("reuse", reuse::cases()),
         ("light_paths", light_paths::cases()),
+        ("mirrors", mirrors::cases()),
         ("photons", photons::cases()),
         ("radiosity", radiosity::cases()),
         ("media", media::cases()),

@@ -7,6 +7,7 @@ use super::{LightPaths, Start, is_of_chain};
 use crate::control::Parallel;
 use crate::error::Result;
 use crate::film::Film;
+use crate::integrator::mirrored::{MOST_MIRRORS, is_looked_at};
 use crate::integrator::tracer::{SceneTracer, Tracer};
 use crate::integrator::vertex::Vertex;
 use crate::integrator::walk::roulette;
@@ -107,6 +108,8 @@ struct LightWalk {
     /// Density of the start times the square of the refraction index where the path is, over that where it began.
     density: f32,
     depth: u32,
+    /// Whether it has met one or two flat mirrors that light samples look into, and nothing else.
+    is_mirrored: bool,
     /// Its number in the wave.
     number: u32,
 }
@@ -115,7 +118,7 @@ impl LightWalk {
     fn new(start: Start, number: u32) -> Self {
         let Start { ray, density, radiance } = start;
         let carried = radiance * density.recip();
-        Self { ray, carried, reference: carried.max_element(), density, depth: 0, number }
+        Self { ray, carried, reference: carried.max_element(), density, depth: 0, is_mirrored: false, number }
     }
 }
 
@@ -283,7 +286,8 @@ impl LightPaths {
         let mut slot = None;
         let vertex = Vertex::<Rgb>::of_light_path(scene, &walk.ray, hit, (), None, &mut slot);
         walk.depth += 1;
-        if walk.depth > 1 && vertex.finds_light_samples() {
+        // What light samples find beside paths from the camera is theirs.
+        if walk.depth > 1 && !walk.is_mirrored && vertex.finds_light_samples() {
             connections.extend(self.connect(scene, walk, hit, vertex.surface.point.p));
         }
         if !vertex.lobes.have_specular() || !is_of_chain(&vertex, walk.depth) {
@@ -291,6 +295,8 @@ impl LightPaths {
         }
         let u = sampler.next_4d();
         let Some(bounce) = vertex.sample_bounce(u).filter(|bounce| bounce.pdf.is_none()) else { return false };
+        let may_be = walk.depth <= MOST_MIRRORS && (walk.depth == 1 || walk.is_mirrored);
+        walk.is_mirrored = may_be && is_looked_at(scene, &vertex);
         walk.carried *= bounce.weight * vertex.shading_adjoint(bounce.ray.direction);
         walk.density *= bounce.eta * bounce.eta;
         let left = walk.carried.max_element();

@@ -5,10 +5,11 @@ use super::kept::KeptVertex;
 use super::paths::{Arrival, At, First, Paths, Second};
 use crate::bsdf::Model;
 use crate::integrator::aim::Aims;
+use crate::integrator::mirrored::{Folded, Way};
 use crate::integrator::tracer::Tracer;
 use crate::integrator::vertex::Vertex;
 use crate::integrator::walk::{Limits, Walk};
-use crate::integrator::wave::Sample;
+use crate::integrator::wave::{Sample, unoccluded_by_mirrors};
 use crate::math::Ray;
 use crate::sampling::Sampler;
 use crate::scene::{Hit, Scene};
@@ -57,6 +58,8 @@ pub struct Groups<C: Spectrum = Rgb> {
     aimed: Vec<(u32, Ray)>,
     shadows: Vec<Ray>,
     arrivals: Vec<Arrival<C>>,
+    /// Ways to lamps by flat mirrors, and what they bring if they are clear.
+    ways: Vec<(Folded, Arrival<C>)>,
     clear: Vec<bool>,
     connections: Connections<C>,
 }
@@ -136,6 +139,10 @@ impl<C: Spectrum> Groups<C> {
         self.shadows.reserve(most_shadows);
         self.arrivals.clear();
         self.arrivals.reserve(most_shadows);
+        self.ways.clear();
+        if limits.mirrors.is_some() {
+            self.ways.reserve(most_shadows);
+        }
         self.clear.reserve(most_shadows.saturating_sub(self.clear.len()));
         lights.clear();
         lights.reserve(most_shadows);
@@ -153,7 +160,7 @@ impl<C: Spectrum> Groups<C> {
         limits: &Limits,
         aims: &Aims,
     ) {
-        let Self { walks, stages, paths, active, rays, hits, aimed, shadows, arrivals, clear, .. } = self;
+        let Self { walks, stages, paths, active, rays, hits, aimed, shadows, arrivals, ways, clear, .. } = self;
         let count = samples.len();
         let hits = &mut hits[..active.len()];
         tracer.intersect_many(rays, hits);
@@ -199,9 +206,15 @@ impl<C: Spectrum> Groups<C> {
             if !goes_on {
                 continue;
             }
-            let mut send = |shadow, light, at| {
-                shadows.push(shadow);
-                arrivals.push(Arrival { path: number, light, at });
+            let mut send = |way, light, at| {
+                let arrival = Arrival { path: number, light, at };
+                match way {
+                    Way::Straight(shadow) => {
+                        shadows.push(shadow);
+                        arrivals.push(arrival);
+                    }
+                    Way::ByMirrors(way) => ways.push((way, arrival)),
+                }
             };
             let scatters = vertex.finds_light_samples();
             let own_bsdf = paths.bsdfs.len() as u32;
@@ -211,7 +224,8 @@ impl<C: Spectrum> Groups<C> {
             }
             let next = if *stage == Stage::ToSecond && scatters && vertex.has_own_normal() {
                 let mut second = Second::new(KeptVertex::new(scene, &vertex, own_bsdf), vertex.receiver(), walk);
-                second.light(scene, &vertex, sampler, limits.shadow_rays, send);
+                let mirrors = walk.mirrors_beside(limits);
+                second.light(scene, &vertex, sampler, (limits.shadow_rays, mirrors), send);
                 let next = second.leave(&vertex, walk, sampler, limits);
                 if next.is_some() && second.bounce.is_none() {
                     walk.weigh(paths.weight_against_aims(path, aims, rays[i].direction));
@@ -223,9 +237,10 @@ impl<C: Spectrum> Groups<C> {
             } else if *stage == Stage::ToFirst && scatters {
                 let kept = KeptVertex::new(scene, &vertex, own_bsdf);
                 let throughput = walk.throughput;
-                let send = &mut |_: &mut C, shadow, light| send(shadow, light, At::Path);
+                let send = &mut |_: &mut C, way, light| send(way, light, At::Path);
                 let before = *walk;
-                let bounce = walk.scatter(scene, &vertex, sampler, limits, send);
+                let own_aims = (!aims.is_empty()).then_some(aims);
+                let bounce = walk.scatter(scene, &vertex, sampler, (limits, own_aims), send);
                 let left = bounce.as_ref().and_then(|bounce| Some((bounce.pdf?, bounce.survival)));
                 *stage = if left.is_some() { Stage::ToSecond } else { Stage::Beyond };
                 if !aims.is_empty()
@@ -233,7 +248,8 @@ impl<C: Spectrum> Groups<C> {
                 {
                     let light_paths = limits.light_paths.filter(|_| before.depth == 1);
                     let density = light_paths.map_or(0.0, |paths| paths.density(&vertex, ray.direction, pdf));
-                    walks[count + path] = before.aimed(weight, density);
+                    let previous = Some((vertex.receiver(), pdf / limits.first_shadow_rays as f32));
+                    walks[count + path] = before.aimed(weight, density, previous);
                     aimed.push(((count + path) as u32, ray));
                 }
                 paths.keep_bsdf(&kept, slot.take());
@@ -241,8 +257,8 @@ impl<C: Spectrum> Groups<C> {
                 bounce.map(|bounce| bounce.ray)
             } else {
                 let is_second = *stage == Stage::ToSecond;
-                let send = &mut |_: &mut C, shadow, light| send(shadow, light, At::Path);
-                let bounce = walk.scatter(scene, &vertex, sampler, limits, send);
+                let send = &mut |_: &mut C, way, light| send(way, light, At::Path);
+                let bounce = walk.scatter(scene, &vertex, sampler, (limits, None), send);
                 if *stage == Stage::AimedChain {
                     walk.keep_for_certain();
                 }
@@ -273,6 +289,9 @@ impl<C: Spectrum> Groups<C> {
             if *clear {
                 paths.add(arrival, walks);
             }
+        }
+        if !ways.is_empty() {
+            unoccluded_by_mirrors(tracer, ways, shadows, clear, |arrival| paths.add(arrival, walks));
         }
     }
 }

@@ -103,7 +103,7 @@ impl<C: Spectrum> Transport<C> for PathReuse {
         groups: &mut Groups<C>,
         tracer: &mut T,
     ) {
-        let limits = Limits { light_paths: self.light_paths.as_deref(), ..self.path.limits() };
+        let limits = Limits { light_paths: self.light_paths.as_deref(), ..self.path.limits_in(scene) };
         groups.trace(scene, samples, ends, tracer, (&limits, &self.aims));
     }
 }

@@ -4,12 +4,13 @@ use super::kept::KeptVertex;
 use crate::bsdf::Bsdf;
 use crate::emitter::Receiver;
 use crate::integrator::aim::Aims;
+use crate::integrator::mirrored::{self, Way};
 use crate::integrator::vertex::{LightSample, Vertex};
 use crate::integrator::walk::{Limits, Walk};
 use crate::math::{Ray, Vec3};
 use crate::sampling::Sampler;
 use crate::sampling::mis::balance_heuristic;
-use crate::scene::Scene;
+use crate::scene::{FlatMirrors, Scene};
 use crate::spectrum::Spectrum;
 
 /// The first vertex of a path that is not perfectly specular.
@@ -226,21 +227,29 @@ impl<C: Spectrum> Second<C> {
         scene: &Scene,
         vertex: &Vertex<'_, C>,
         sampler: &mut S,
-        samples: u32,
-        mut send: impl FnMut(Ray, C, At),
+        (samples, mirrors): (u32, Option<(&FlatMirrors, u32)>),
+        mut send: impl FnMut(Way, C, At),
     ) {
         if scene.emitters().is_dark() {
             return;
         }
         let is_constant = self.vertex.constant_f().is_some();
+        // Where the Bsdf is another one for each first vertex, lamps in mirrors are left to bounces.
+        let mirrors = mirrors.filter(|_| is_constant);
         for _ in 0..samples {
             let u = sampler.next_4d();
+            if let Some(mirrors) = mirrors
+                && let Some(u) = mirrored::chosen(u)
+                && let Some((way, light)) = mirrored::sample(vertex, scene, mirrors, None, u, samples)
+            {
+                send(Way::ByMirrors(way), light, At::ConstantSecond);
+            }
             if let Some(sample) = vertex.sample_light(scene, u, samples, false, !is_constant) {
                 if is_constant {
-                    send(sample.shadow, sample.f * sample.radiance * sample.scale(), At::ConstantSecond);
+                    send(Way::Straight(sample.shadow), sample.f * sample.radiance * sample.scale(), At::ConstantSecond);
                 } else {
                     let LightSample { shadow, wi, radiance, pdf, alone, .. } = sample;
-                    send(shadow, radiance * wi.z.abs(), At::Second { wi, pdf, alone });
+                    send(Way::Straight(shadow), radiance * wi.z.abs(), At::Second { wi, pdf, alone });
                 }
             }
         }

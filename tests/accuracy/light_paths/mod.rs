@@ -5,7 +5,7 @@
 use std::f64::consts::PI;
 
 use etendue::camera::Camera;
-use etendue::desc::{self, BsdfDesc, CropDesc, FilterDesc, RenderDesc, SceneDesc, ShapeDesc};
+use etendue::desc::{self, BsdfDesc, CropDesc, FilterDesc, RenderDesc, SceneDesc, ShapeDesc, TextureDesc, TextureKey};
 use etendue::film::Image;
 use etendue::math::DVec3;
 use etendue::scene::{BuildOptions, Scene};
@@ -15,6 +15,8 @@ use crate::arithmetic::repeat::load;
 use crate::common::scenes::{box_inside, camera, render_scene, scene};
 use crate::common::stats::mean_and_error;
 use crate::record::{Case, Entry};
+use crate::textures::row_texture;
+use crate::textures::scenes::vary;
 use crate::transport::{MESH, ball, glass, grey, mirror, parallelogram, pick};
 
 pub fn cases() -> Vec<Entry> {
@@ -48,7 +50,7 @@ fn parts(image: &Image) -> [f64; 5] {
 }
 
 /// Renders of this many seeds: for each part the mean and its standard error.
-fn measure(scene: &Scene, desc: &RenderDesc, seeds: u64, first: u64) -> [(f64, f64); 5] {
+pub fn measure(scene: &Scene, desc: &RenderDesc, seeds: u64, first: u64) -> [(f64, f64); 5] {
     let found: Vec<[f64; 5]> = (0..seeds)
         .map(|seed| parts(&render_scene(scene, RenderDesc { seed: first + seed, ..desc.clone() }).0))
         .collect();
@@ -56,41 +58,54 @@ fn measure(scene: &Scene, desc: &RenderDesc, seeds: u64, first: u64) -> [(f64, f
 }
 
 /// Compares the means of the parts with numbers known exactly.
-fn means(case: &mut Case, what: &str, found: [(f64, f64); 5], exact: [f64; 5], tolerance: f64) {
+pub fn means(case: &mut Case, what: &str, found: [(f64, f64); 5], exact: [f64; 5], tolerance: f64) {
     for ((found, exact), (part, share)) in found.into_iter().zip(exact).zip(PARTS) {
         case.mean(format!("{what}, {part}"), found, exact, share * tolerance);
     }
 }
 
 /// The same with means that were measured as well.
-fn equal_means(case: &mut Case, what: &str, found: [(f64, f64); 5], expected: [(f64, f64); 5], tolerance: f64) {
+pub fn equal_means(case: &mut Case, what: &str, found: [(f64, f64); 5], expected: [(f64, f64); 5], tolerance: f64) {
     for ((found, expected), (part, share)) in found.into_iter().zip(expected).zip(PARTS) {
         case.equal_means(format!("{what}, {part}"), found, expected, share * tolerance);
     }
 }
 
-fn build(desc: &SceneDesc) -> Scene {
+pub fn build(desc: &SceneDesc) -> Scene {
     Scene::build(desc, &BuildOptions::default()).expect("a scene of the test")
 }
 
-fn settings(samples: u64) -> RenderDesc {
+pub fn settings(samples: u64) -> RenderDesc {
     RenderDesc { resolution: [16, 16], samples: samples as u32, light_paths: Some(true), ..RenderDesc::default() }
 }
 
 /// Albedo of a floor.
-const FLOOR: f32 = 1e-3;
+const FLOOR: f32 = 1e-4;
 
-fn rectangle(x: f64, y: f64, half: [f64; 2], up: bool) -> ShapeDesc {
+pub fn rectangle(x: f64, y: f64, half: [f64; 2], up: bool) -> ShapeDesc {
     let [u, v] = [DVec3::X * (2.0 * half[0]), DVec3::Z * (2.0 * half[1])];
     let corner = DVec3::new(x - half[0], y, -half[1]);
     if up { parallelogram(corner, v, u) } else { parallelogram(corner, u, v) }
 }
 
+/// Whether light samples look for lamps in a flat mirror.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Panel {
+    Plain,
+    /// Its reflectance varies, as far as anybody knows, so that they do not.
+    Textured,
+}
+
+/// Lets a parameter of a material vary, by a texture that is 1 everywhere.
+pub fn vary_by_nothing(desc: &mut SceneDesc, material: usize, key: TextureKey) {
+    vary(desc, material, key, TextureDesc { name: format!("nothing {material}"), ..row_texture(&[1.0]) });
+}
+
 /// A floor whose only light is that of a lamp which it sees in a mirror: the lamp shines upwards, at a mirror at a height of 1, and its
 /// image is at 1.5.
-fn mirrored_lamp_scene(reflectance: f32) -> SceneDesc {
+pub fn mirrored_lamp_scene(reflectance: f32, panel: Panel) -> SceneDesc {
     let view = camera(DVec3::new(-0.3, 0.9, 0.0), DVec3::ZERO, 50.0);
-    scene(
+    let mut desc = scene(
         view,
         vec![
             // Dark, so that next to nothing of its light comes back to it.
@@ -98,7 +113,11 @@ fn mirrored_lamp_scene(reflectance: f32) -> SceneDesc {
             (rectangle(0.8, 1.0, [0.6, 0.6], false), mirror(reflectance), None),
             (rectangle(1.3, 0.5, [0.2, 0.2], true), BsdfDesc::Black, Some(Rgb::splat(2.0))),
         ],
-    )
+    );
+    if panel == Panel::Textured {
+        vary_by_nothing(&mut desc, 1, TextureKey::Color);
+    }
+    desc
 }
 
 /// Irradiance at a place of that floor in a perfect mirror, by the polygon's sides (Lambert 1760).
@@ -120,8 +139,9 @@ fn floor_radiance(camera: &Camera, centre: DVec3, x: f32, y: f32) -> f64 {
     f64::from(FLOOR) / PI * mirrored_irradiance(p.x, p.z)
 }
 
-fn mirrored_lamp(case: &mut Case) {
-    let scene = build(&mirrored_lamp_scene(1.0));
+/// The picture of that floor in a perfect mirror, by quarters and as a whole.
+pub fn mirrored_lamp_parts() -> [f64; 5] {
+    let scene = build(&mirrored_lamp_scene(1.0, Panel::Textured));
     let camera = Camera::new(scene.camera(), [16, 16], scene.centre()).expect("a camera");
     const FINE: u32 = 8;
     let mut expected = [0.0; 5];
@@ -134,11 +154,16 @@ fn mirrored_lamp(case: &mut Case) {
             expected[4] += 0.25 * value;
         }
     }
+    expected
+}
+
+fn mirrored_lamp(case: &mut Case) {
+    let expected = mirrored_lamp_parts();
     // Roulette ends most paths that a dark mirror reflects.
     for (what, reuse, reflectance) in
         [("paths by themselves", false, 0.75), ("shared hits", true, 0.75), ("a dark mirror", false, 0.2)]
     {
-        let scene = build(&mirrored_lamp_scene(reflectance));
+        let scene = build(&mirrored_lamp_scene(reflectance, Panel::Textured));
         let desc = RenderDesc { reuse: Some(reuse), ..settings(case.count(2048, 4096)) };
         let found = measure(&scene, &desc, case.count(16, 24), 1);
         let tolerance = if reflectance < 0.5 { pick(case, 1.2e-2, 7e-3) } else { pick(case, 8e-3, 5e-3) };
@@ -228,7 +253,7 @@ fn films(case: &mut Case) {
         ("gaussian", FilterDesc::Gaussian { sigma: 0.5 }),
         ("blackman-harris", FilterDesc::BlackmanHarris),
     ];
-    let still = mirrored_lamp_scene(0.75);
+    let still = mirrored_lamp_scene(0.75, Panel::Textured);
     let mut moved = still.clone();
     if let desc::CameraDesc::Perspective { film, .. } = &mut moved.camera {
         film.shift = [0.2, -0.15];

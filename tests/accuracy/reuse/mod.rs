@@ -4,7 +4,7 @@
 
 use std::f64::consts::PI;
 
-use etendue::desc::{BsdfDesc, CropDesc, RenderDesc, SceneDesc, ShapeDesc};
+use etendue::desc::{BsdfDesc, CropDesc, RenderDesc, SceneDesc, ShapeDesc, TextureKey};
 use etendue::math::DVec3;
 use etendue::scene::{BuildOptions, Scene};
 use etendue::spectrum::Rgb;
@@ -12,6 +12,7 @@ use etendue::spectrum::Rgb;
 use crate::arithmetic::repeat::load;
 use crate::common::scenes::{box_inside, camera, mean_and_error as pixels, point_light, render_scene, scene};
 use crate::common::stats::mean_and_error;
+use crate::light_paths::vary_by_nothing;
 use crate::lights::{ceiling, lit};
 use crate::record::{Case, Entry, Within};
 use crate::transport::rooms::{FLOOR_IRRADIANCE, floor_and_ceiling, sphere_with_light};
@@ -145,13 +146,18 @@ fn lamps_in_mirrors(case: &mut Case) {
         if up { parallelogram(corner, v, u) } else { parallelogram(corner, u, v) }
     };
     let radiance = 2.0_f64;
-    for (what, mirror_half) in [("a mirror little larger than the lamp in it", 0.3), ("a larger mirror", 0.4)] {
+    // Where a texture may vary the mirror, light samples do not find the lamp as well.
+    for (what, mirror_half, is_textured) in [
+        ("a mirror little larger than the lamp in it", 0.3, false),
+        ("a larger mirror", 0.4, false),
+        ("one with a texture", 0.3, true),
+    ] {
         // The lamp shines upwards, at a mirror at 1; its image is at 1.5.
         let patch = rectangle(0.0, 0.0, [0.002, 0.002], true);
         let lamp = rectangle(1.2, 0.5, [0.2, 0.2], true);
         let reflector = rectangle(0.8, 1.0, [mirror_half; 2], false);
         let view = camera(DVec3::new(-0.3, 0.2, 0.1), DVec3::ZERO, 0.1);
-        let desc = scene(
+        let mut desc = scene(
             view,
             vec![
                 (patch, grey(0.5), None),
@@ -159,6 +165,9 @@ fn lamps_in_mirrors(case: &mut Case) {
                 (lamp, BsdfDesc::Black, Some(Rgb::splat(radiance as f32))),
             ],
         );
+        if is_textured {
+            vary_by_nothing(&mut desc, 1, TextureKey::Color);
+        }
         // Irradiance by the polygon's sides (Lambert 1760).
         let corners =
             [[1.0, -0.2], [1.0, 0.2], [1.4, 0.2], [1.4, -0.2]].map(|[x, z]| DVec3::new(x, 1.5, z).normalize());
