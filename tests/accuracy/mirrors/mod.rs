@@ -20,7 +20,7 @@ pub fn cases() -> Vec<Entry> {
     vec![
         Entry { id: "F1", title: "a lamp in a flat mirror, in closed form", run: lamp_in_a_mirror },
         Entry { id: "F2", title: "a ball and the sun in a tilted mirror, in closed form", run: ball_and_sun },
-        Entry { id: "F3", title: "balls in a corner of two mirrors, in closed form", run: corner },
+        Entry { id: "F3", title: "a ball in a corner of two mirrors, in closed form", run: corner },
         Entry { id: "F4", title: "mirrors that light samples look into, and others", run: with_and_without },
     ]
 }
@@ -117,27 +117,25 @@ fn ball_and_sun(case: &mut Case) {
     case.biased_mean("a ball in a mirror as large as a city", found[4], exact, (5e-4, pick(case, 4e-3, 2e-3)));
 }
 
-/// Two mirrors at a right angle show each ball three times, one of which is by way of both, in either order.
+/// Two mirrors at a right angle show a ball three times, once by way of both: one half of it in one order and one in the other. The ball is so
+/// large that bounces find it as well.
 fn corner(case: &mut Case) {
-    let lamps = [DVec3::new(-1.0, 2.0, 0.5), DVec3::new(-1.0, 2.0, 1.5)];
-    let (side, far, radius) = (2.0, 60.0, 0.2_f64);
+    let (p, side, far, radius) = (DVec3::new(-1.0, 2.0, 1.0), 2.0, 60.0, 0.8_f64);
     let mut bodies = vec![
         (rectangle(0.0, 0.0, [0.2, 0.2], true), grey(DARK), None),
         (parallelogram(DVec3::new(side, -far, -side), 2.0 * far * DVec3::Y, far * DVec3::Z), mirror(0.75), None),
         (parallelogram(DVec3::new(side, -far, -side), -far * DVec3::X, 2.0 * far * DVec3::Y), mirror(0.5), None),
     ];
-    let mut exact = 0.0;
-    for p in lamps {
-        bodies.push((ball(p, radius), BsdfDesc::Black, Some(Rgb::ONE)));
-        for (image, reflectance) in [
-            (p, 1.0),
-            (DVec3::new(2.0 * side - p.x, p.y, p.z), 0.75),
-            (DVec3::new(p.x, p.y, -2.0 * side - p.z), 0.5),
-            (DVec3::new(2.0 * side - p.x, p.y, -2.0 * side - p.z), 0.375),
-        ] {
-            exact += reflectance * PI * radius * radius * image.y / image.length().powi(3);
-        }
-    }
+    bodies.push((ball(p, radius), BsdfDesc::Black, Some(Rgb::ONE)));
+    let (in_x, in_z) = (2.0 * side - p.x, -2.0 * side - p.z);
+    let images = [
+        (p, 1.0),
+        (DVec3::new(in_x, p.y, p.z), 0.75),
+        (DVec3::new(p.x, p.y, in_z), 0.5),
+        (DVec3::new(in_x, p.y, in_z), 0.375),
+    ];
+    let by_ball = |p: DVec3| PI * radius * radius * p.y / p.length().powi(3);
+    let exact: f64 = images.into_iter().map(|(image, reflectance)| reflectance * by_ball(image)).sum();
     let scene = build(&scene(camera(DVec3::new(0.0, 2.0, 0.4), DVec3::ZERO, 1e-4), bodies));
     for (what, reuse) in [("paths by themselves", false), ("shared hits", true)] {
         let desc = RenderDesc { reuse: Some(reuse), ..paths(case.count(256, 1024)) };
