@@ -9,6 +9,7 @@
 //! 1997, *Robust Monte Carlo Methods for Light Transport Simulation*, Sec. 9.2.
 
 use super::aim::Aims;
+use super::tracer::Tracer;
 use super::vertex::{PreviousBounce, Vertex};
 use crate::emitter::Receiver;
 use crate::math::Ray;
@@ -178,4 +179,28 @@ pub(super) fn previous<C: Spectrum>(
 pub(super) fn is_looked_at<C: Spectrum>(scene: &Scene, vertex: &Vertex<'_, C>) -> bool {
     let of = |mirrors: &FlatMirrors| mirrors.plane_of(vertex.hit()?);
     scene.flat_mirrors().and_then(of).is_some()
+}
+
+/// Hands over what is sent along each of the ways to lamps by flat mirrors that are clear, and empties their list. `shadows` and `clear` are
+/// memory for the rays.
+#[cold]
+#[inline(never)]
+pub(super) fn unoccluded_by_mirrors<A, T: Tracer>(
+    tracer: &mut T,
+    ways: &mut Vec<(Folded, A)>,
+    shadows: &mut Vec<Ray>,
+    clear: &mut Vec<bool>,
+    mut arrive: impl FnMut(&A),
+) {
+    for leg in 0..=MOST_MIRRORS as usize {
+        let ray = |way: &Folded| way.rays()[leg];
+        shadows.clear();
+        shadows.extend(ways.iter().filter_map(|(way, _)| ray(way)));
+        clear.resize(shadows.len(), false);
+        tracer.unoccluded_many(shadows, clear);
+        let mut answers = clear.iter();
+        ways.retain(|(way, _)| ray(way).is_none() || answers.next().is_some_and(|clear| *clear));
+    }
+    ways.iter().for_each(|(_, arrival)| arrive(arrival));
+    ways.clear();
 }

@@ -6,7 +6,7 @@
 //! Source: Laine, Karras, Aila 2013, "Megakernels Considered Harmful: Wavefront Path Tracing on GPUs".
 
 use super::media::{light_through, seen};
-use super::mirrored::{Folded, MOST_MIRRORS, Way};
+use super::mirrored::{Folded, Way, unoccluded_by_mirrors};
 use super::tracer::{FirstHit, Tracer};
 use super::vertex::Vertex;
 use super::walk::{Limits, Walk};
@@ -262,30 +262,6 @@ impl<C: Spectrum> Wave<C> {
             sample.radiance += *mirrored;
         }
     }
-}
-
-/// Hands over what is sent along each of the ways to lamps by flat mirrors that are clear, and empties their list. `shadows` and `clear` are
-/// memory for the rays.
-#[cold]
-#[inline(never)]
-pub(super) fn unoccluded_by_mirrors<A, T: Tracer>(
-    tracer: &mut T,
-    ways: &mut Vec<(Folded, A)>,
-    shadows: &mut Vec<Ray>,
-    clear: &mut Vec<bool>,
-    mut arrive: impl FnMut(&A),
-) {
-    for leg in 0..=MOST_MIRRORS as usize {
-        let ray = |way: &Folded| way.rays()[leg];
-        shadows.clear();
-        shadows.extend(ways.iter().filter_map(|(way, _)| ray(way)));
-        clear.resize(shadows.len(), false);
-        tracer.unoccluded_many(shadows, clear);
-        let mut answers = clear.iter();
-        ways.retain(|(way, _)| ray(way).is_none() || answers.next().is_some_and(|clear| *clear));
-    }
-    ways.iter().for_each(|(_, arrival)| arrive(arrival));
-    ways.clear();
 }
 
 #[cfg(test)]

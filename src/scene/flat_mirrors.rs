@@ -74,9 +74,9 @@ struct Candidate {
 /// A place of a mirror in which a point is seen.
 pub(crate) struct Reflection {
     /// The place.
-    pub point: HitPoint,
+    point: HitPoint,
     /// Unit normal of the mirror on the side from which the point is seen.
-    pub normal: Vec3,
+    normal: Vec3,
     material: u32,
     faces_out: bool,
 }
