@@ -23,8 +23,8 @@ const CERTAIN_BOUNCES: u32 = 1024;
 /// From this bounce on the survival probabilities that materials state are replaced by the library's own.
 const OWN_SURVIVAL_BOUNCES: u32 = 64;
 
-/// A path that still carries this fraction of its throughput after the first hit survives with certainty. Time to equal
-/// error in the report's room is the same with 1/2 and with 1.
+/// A path that still carries this fraction of its throughput after the first hit survives with certainty, where its limits state no other.
+/// Time to equal error in the report's room is the same with 1/2 and with 1.
 const CERTAIN_FRACTION: f32 = 0.5;
 
 /// Where paths end, and how many light samples are taken at each hit.
@@ -44,6 +44,9 @@ pub(super) struct Limits<'l> {
     pub light_paths: Option<&'l LightPaths>,
     /// Flat mirrors in which light samples look for lamps.
     pub mirrors: Option<&'l FlatMirrors>,
+    /// Fraction of its throughput after the first hit with which a path survives for certain; and after a second hit that is shared.
+    pub certain_fraction: f32,
+    pub certain_fraction_shared: f32,
 }
 
 impl Limits<'_> {
@@ -58,6 +61,8 @@ impl Limits<'_> {
             previous: None,
             light_paths: None,
             mirrors: None,
+            certain_fraction: CERTAIN_FRACTION,
+            certain_fraction_shared: CERTAIN_FRACTION,
         }
     }
 
@@ -302,13 +307,13 @@ impl<C: Spectrum> Walk<C> {
         if met <= MOST_MIRRORS { mirrored::previous(vertex, mirrors, previous, met) } else { None }
     }
 
-    /// Forgets what the path has brought and carried so far: from here on its radiance is what arrives here.
+    /// Forgets what the path has brought and carried so far: from here on its radiance is what arrives here, at a hit that is shared.
     #[inline]
-    pub fn begin_again(&mut self) {
+    pub fn begin_again(&mut self, limits: &Limits) {
         self.radiance = C::ZERO;
         self.throughput = C::ONE;
         self.eta2 = 1.0;
-        self.roulette_reference = CERTAIN_FRACTION;
+        self.roulette_reference = limits.certain_fraction_shared;
     }
 
     /// Forgets what the path has brought, and what it carries but for the survival of its last bounce. Roulette goes on as if it
@@ -353,8 +358,8 @@ impl<C: Spectrum> Walk<C> {
 
     /// Plays roulette from here on as a path that carried this after its first hit.
     #[inline]
-    pub fn end_of_chain(&mut self, first: C) {
-        self.roulette_reference = CERTAIN_FRACTION * first.max_element();
+    pub fn end_of_chain(&mut self, first: C, limits: &Limits) {
+        self.roulette_reference = limits.certain_fraction * first.max_element();
     }
 
     /// Goes on as a path that has brought this radiance and carries this times what it does, with the same roulette.
@@ -404,7 +409,7 @@ impl<C: Spectrum> Walk<C> {
                 return None;
             }
             if depth == 1 {
-                self.roulette_reference = CERTAIN_FRACTION * carried;
+                self.roulette_reference = limits.certain_fraction * carried;
             }
             let fraction = match vertex.survival {
                 Some(survival) if bounce.pdf.is_some() && depth < OWN_SURVIVAL_BOUNCES => survival,

@@ -220,7 +220,8 @@ impl<C: Spectrum> Groups<C> {
             let own_bsdf = paths.bsdfs.len() as u32;
             if *stage == Stage::AimedChain && scatters {
                 *stage = Stage::Beyond;
-                walk.end_of_chain(paths.firsts[path - count].map_or(C::ONE, |first| first.throughput));
+                let first = paths.firsts[path - count].map_or(C::ONE, |first| first.throughput);
+                walk.end_of_chain(first, limits);
             }
             let next = if *stage == Stage::ToSecond && scatters && vertex.has_own_normal() {
                 let mut second = Second::new(KeptVertex::new(scene, &vertex, own_bsdf), vertex.receiver(), walk);

@@ -45,6 +45,13 @@ pub const GROUP: usize = 16;
 /// often, but choosing a part takes as long as tracing the rays.
 const MOST_AIMS: usize = 3;
 
+/// Fraction of its throughput after the first hit with which a path survives for certain, in scenes with something to aim at. What a first
+/// hit sees in perfectly specular surfaces is most of the noise there, and no other pixel's.
+const CERTAIN_FRACTION: f32 = 0.25;
+
+/// The same after a second hit that is shared, whose noise is a sixteenth of each pixel's.
+const CERTAIN_FRACTION_SHARED: f32 = 1.0;
+
 /// Path tracing with shared second hits.
 #[derive(Clone, Debug)]
 pub struct PathReuse {
@@ -62,6 +69,15 @@ impl PathReuse {
     /// What rays from first vertices are aimed at.
     pub(crate) fn aims(&self) -> &Aims {
         &self.aims
+    }
+
+    /// Where paths in a scene end.
+    fn limits<'l>(&'l self, scene: &'l Scene) -> Limits<'l> {
+        let limits = Limits { light_paths: self.light_paths.as_deref(), ..self.path.limits_in(scene) };
+        if self.aims.is_empty() {
+            return limits;
+        }
+        Limits { certain_fraction: CERTAIN_FRACTION, certain_fraction_shared: CERTAIN_FRACTION_SHARED, ..limits }
     }
 
     /// The same with so many light samples at the hits that the camera sees.
@@ -103,7 +119,6 @@ impl<C: Spectrum> Transport<C> for PathReuse {
         groups: &mut Groups<C>,
         tracer: &mut T,
     ) {
-        let limits = Limits { light_paths: self.light_paths.as_deref(), ..self.path.limits_in(scene) };
-        groups.trace(scene, samples, ends, tracer, (&limits, &self.aims));
+        groups.trace(scene, samples, ends, tracer, (&self.limits(scene), &self.aims));
     }
 }

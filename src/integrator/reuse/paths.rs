@@ -265,7 +265,7 @@ impl<C: Spectrum> Second<C> {
         sampler: &mut S,
         limits: &Limits,
     ) -> Option<Ray> {
-        walk.begin_again();
+        walk.begin_again(limits);
         let bounce = walk.bounce(vertex, sampler, limits);
         match &bounce {
             Some(bounce) if let Some(pdf) = bounce.pdf => {
