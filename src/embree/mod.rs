@@ -15,7 +15,8 @@
 //! let scene = builder.commit(None)?;
 //!
 //! let hit = scene.intersect(&Ray::new(Vec3::new(0.25, 0.25, 0.0), Vec3::Z)).expect("the triangle is in the way");
-//! assert_eq!((hit.t, hit.prim), (2.0, 0));
+//! // Its division is an estimate with one step of Newton's, whose last digit differs among processors.
+//! assert!(hit.prim == 0 && (hit.t - 2.0).abs() < 1e-6);
 //! # Ok::<(), etendue::Error>(())
 //! ```
 //!

@@ -18,6 +18,7 @@ use etendue::scene::{BuildOptions, Scene};
 use etendue::spectrum::{
     Illuminant, REC_709_FROM_XYZ, Rgb, SmoothSpectrum, VISIBLE, color_matching, rec_709, tristimulus,
 };
+use std::sync::LazyLock;
 
 pub fn cases() -> Vec<Entry> {
     vec![
@@ -80,7 +81,8 @@ fn channels(image: &Image) -> [(f64, f64); 3] {
 
 /// The spectrum of D65 of luminance 1, of which lights of the colour (1, 1, 1) are.
 fn white(nanometres: f64) -> f64 {
-    Illuminant::D65.power(nanometres) / tristimulus(|nanometres| Illuminant::D65.power(nanometres)).y
+    static LUMINANCE: LazyLock<f64> = LazyLock::new(|| tristimulus(|nanometres| Illuminant::D65.power(nanometres)).y);
+    Illuminant::D65.power(nanometres) / *LUMINANCE
 }
 
 /// A closed room that glows and reflects, seen from inside.
