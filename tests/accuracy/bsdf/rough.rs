@@ -56,7 +56,7 @@ fn glass(ior: f32, microfacets: MicrofacetsDesc) -> Bsdf {
 /// Share of the power of a beam from `wo` that is scattered: the mean weight of samples in terms of power, from replicates.
 fn scattered(case: &Case, bsdf: &Bsdf, wo: Vec3, pixel: u32) -> (f64, f64) {
     const REPLICATES: u32 = 32;
-    let size = case.count(2048, 8192) as u32;
+    let size = case.count(1024, 8192) as u32;
     let mut sampler = SobolSampler::new(52, size);
     let mut weight = |i| {
         sampler.start(pixel, i);

@@ -280,7 +280,7 @@ fn pictures(case: &mut Case) {
 
 /// The middle of a white floor, whose normal is z, by all methods.
 pub(super) fn by_all_methods(case: &mut Case, what: &str, desc: &SceneDesc, exact: f64) {
-    let samples = case.count(64, 1024) as u32;
+    let samples = case.count(32, 1024) as u32;
     // Radiosity has inscribed triangles in place of round shapes, as large in sum but a little further away.
     for (integrator, bias) in METHODS.into_iter().chain([(IntegratorDesc::Radiosity, 2e-2)]) {
         let (mean, error) = mean_and_error(&drawn(desc, integrator, samples));

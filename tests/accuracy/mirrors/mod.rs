@@ -32,7 +32,7 @@ fn paths(samples: u64) -> RenderDesc {
 /// A floor whose only light is that of a lamp in a mirror.
 fn lamp_in_a_mirror(case: &mut Case) {
     let expected = mirrored_lamp_parts();
-    let desc = paths(case.count(512, 2048));
+    let desc = paths(case.count(128, 2048));
     let shared = RenderDesc { reuse: Some(true), ..desc.clone() };
     let ways = [
         ("paths by themselves", desc.clone(), 0.75),
@@ -105,14 +105,14 @@ fn ball_and_sun(case: &mut Case) {
     for (name, desc, exact) in scenes {
         let scene = build(&desc);
         for reuse in [false, true] {
-            let desc = RenderDesc { reuse: Some(reuse), ..paths(case.count(256, 1024)) };
+            let desc = RenderDesc { reuse: Some(reuse), ..paths(case.count(64, 1024)) };
             let found = measure(&scene, &desc, case.count(16, 24), 1);
             let what = format!("{name}{}", if reuse { ", shared hits" } else { "" });
             means(case, &what, found, [f64::from(DARK) / PI * exact; 5], pick(case, 4e-3, 2e-3));
         }
     }
     // Corners so far away are known to a few thousandths in single precision, and so is the mirror.
-    let found = measure(&build(&tilted(2e4, vec![lamp(1.0)])), &paths(case.count(256, 1024)), case.count(16, 24), 1);
+    let found = measure(&build(&tilted(2e4, vec![lamp(1.0)])), &paths(case.count(64, 1024)), case.count(16, 24), 1);
     let exact = f64::from(DARK) / PI * by_lamp;
     case.biased_mean("a ball in a mirror as large as a city", found[4], exact, (5e-4, pick(case, 4e-3, 2e-3)));
 }
@@ -138,7 +138,7 @@ fn corner(case: &mut Case) {
     let exact: f64 = images.into_iter().map(|(image, reflectance)| reflectance * by_ball(image)).sum();
     let scene = build(&scene(camera(DVec3::new(0.0, 2.0, 0.4), DVec3::ZERO, 1e-4), bodies));
     for (what, reuse) in [("paths by themselves", false), ("shared hits", true)] {
-        let desc = RenderDesc { reuse: Some(reuse), ..paths(case.count(256, 1024)) };
+        let desc = RenderDesc { reuse: Some(reuse), ..paths(case.count(64, 1024)) };
         let found = measure(&scene, &desc, case.count(16, 24), 1);
         means(case, what, found, [f64::from(DARK) / PI * exact; 5], pick(case, 6e-3, 3e-3));
     }

@@ -230,7 +230,7 @@ fn cube(case: &mut Case) {
         let indirect = |(mean, error): (f64, f64)| (mean - direct, error);
         let all = walls(-half, half, 8);
         let places: Vec<_> = all.iter().map(|([p, n], _)| (*p, *n)).collect();
-        let samples = case.count(512, 2048) as u32;
+        let samples = case.count(256, 2048) as u32;
         for (name, method) in METHODS {
             let found = illuminance(&scene, &places, samples, method);
             let mean = all.iter().zip(&found.values).map(|((_, area), lux)| area * lux).sum::<f64>() / 96.0;
@@ -251,7 +251,7 @@ fn cube(case: &mut Case) {
                 / total
         };
         let mut bake =
-            Bake::new(&scene, atlas.sites(), settings(case.count(32, 128) as u32, IntegratorDesc::Path), true)
+            Bake::new(&scene, atlas.sites(), settings(case.count(16, 128) as u32, IntegratorDesc::Path), true)
                 .expect("sites");
         bake.run(&mut |_| ControlFlow::Continue(())).expect("no worker panics");
         let baked = bake.irradiance();

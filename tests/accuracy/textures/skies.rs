@@ -328,7 +328,7 @@ fn valley(case: &mut Case) {
         add(&mut desc, 2, ball, BsdfDesc::Mirror { reflectance: Rgb::splat(0.8) }, None);
         mean_and_error(&drawn(&desc, integrator, samples))
     };
-    let (exact, error) = of(IntegratorDesc::Path, case.count(1024, 16384) as u32);
+    let (exact, error) = of(IntegratorDesc::Path, case.count(512, 16384) as u32);
     for integrator in [
         IntegratorDesc::Photon,
         IntegratorDesc::Caustic,
@@ -336,7 +336,7 @@ fn valley(case: &mut Case) {
         IntegratorDesc::Ppm,
         IntegratorDesc::IrradianceCache,
     ] {
-        let (mean, own) = of(integrator, case.count(64, 1024) as u32);
+        let (mean, own) = of(integrator, case.count(32, 1024) as u32);
         let both = own.hypot(error);
         case.biased_mean(format!("a valley by {integrator:?}"), (mean, both), exact, (1e-2, 1e-2));
     }
