@@ -238,7 +238,7 @@ fn submerged(case: &mut Case) {
         // With the balls, all is asked for that there is without.
         let methods = if hidden || case.is_full() { &direct[..] } else { &direct[..3] };
         for &integrator in methods {
-            let image = image(&scene, integrator, case.count(8, 16), 1);
+            let image = image(&scene, integrator, 16, 1);
             for (i, coefficient) in ABSORPTION.to_f64().to_array().into_iter().enumerate() {
                 let way = (-coefficient * (height + eye.length())).exp();
                 let exact = f64::from(albedo) / PI * f64::from(intensity) / (height * height) * way;
