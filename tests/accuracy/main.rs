@@ -31,6 +31,7 @@ mod transport;
 
 use std::process::ExitCode;
 use std::sync::{Arc, Mutex};
+use std::time::Instant;
 
 use libtest_mimic::{Arguments, Failed, Trial};
 use record::{Case, Entry};
@@ -83,9 +84,11 @@ fn main() -> ExitCode {
             let name = format!("{group}::{} {}", entry.id, entry.title);
             trials.push(Trial::test(name, move || {
                 let mut case = Case::new(&entry, is_full);
+                let started = Instant::now();
                 (entry.run)(&mut case);
+                let seconds = started.elapsed().as_secs_f64();
                 let failures = case.failures();
-                found.lock().expect("no case panics while it holds this").add(group, place, case);
+                found.lock().expect("no case panics while it holds this").add(group, place, case, seconds);
                 failures.map_or(Ok(()), |failures| Err(Failed::from(failures)))
             }));
         }

@@ -77,13 +77,23 @@ pub struct Case {
     title: &'static str,
     is_full: bool,
     known: Option<&'static str>,
+    /// The largest standard error of a mean over the largest that it may have: how much fewer samples would do.
+    pub uncertainty: f64,
     pub rows: Vec<Row>,
     pub efficiencies: Vec<Efficiency>,
 }
 
 impl Case {
     pub fn new(entry: &Entry, is_full: bool) -> Self {
-        Self { id: entry.id, title: entry.title, is_full, known: None, rows: Vec::new(), efficiencies: Vec::new() }
+        Self {
+            id: entry.id,
+            title: entry.title,
+            is_full,
+            known: None,
+            uncertainty: 0.0,
+            rows: Vec::new(),
+            efficiencies: Vec::new(),
+        }
     }
 
     /// Whether there is time for the large numbers.
@@ -122,6 +132,7 @@ impl Case {
     /// larger than `tolerance`, relative to the exact value.
     pub fn mean(&mut self, what: impl Into<String>, (mean, error): (f64, f64), exact: f64, tolerance: f64) {
         let off = (mean - exact).abs();
+        self.uncertainty = self.uncertainty.max(error / (tolerance * exact.abs()));
         let standard_errors = if off <= ARITHMETIC * exact.abs() { 0.0 } else { off / error };
         let passes = off <= 4.0 * error + ARITHMETIC * exact.abs() && error <= tolerance * exact.abs();
         self.row(
@@ -144,6 +155,7 @@ impl Case {
         (bias, tolerance): (f64, f64),
     ) {
         let off = (mean - exact).abs();
+        self.uncertainty = self.uncertainty.max(error / (tolerance * exact.abs()));
         let beyond = (off - (bias + ARITHMETIC) * exact.abs()).max(0.0);
         let passes = beyond <= 4.0 * error && error <= tolerance * exact.abs();
         self.row(

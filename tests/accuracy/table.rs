@@ -23,16 +23,21 @@ pub struct Table {
     cases: BTreeMap<(&'static str, usize), Found>,
 }
 
-/// What a case wrote.
+/// What a case wrote, and what it took.
 struct Found {
     rows: Vec<Row>,
     efficiencies: Vec<Efficiency>,
+    seconds: f64,
+    uncertainty: f64,
 }
 
+/// How many of the slowest cases are named.
+const SLOWEST: usize = 20;
+
 impl Table {
-    pub fn add(&mut self, group: &'static str, place: usize, case: Case) {
-        let Case { rows, efficiencies, .. } = case;
-        self.cases.insert((group, place), Found { rows, efficiencies });
+    pub fn add(&mut self, group: &'static str, place: usize, case: Case, seconds: f64) {
+        let Case { rows, efficiencies, uncertainty, .. } = case;
+        self.cases.insert((group, place), Found { rows, efficiencies, seconds, uncertainty });
     }
 
     fn rows(&self) -> impl Iterator<Item = (&'static str, &Row)> {
@@ -75,6 +80,21 @@ impl Table {
             let _ = write!(text, "\ntime against error\n{}", self.efficiency_table());
         }
         let _ = writeln!(text, "\n{}", self.summary());
+        if !is_full {
+            text += &self.slowest();
+        }
+        text
+    }
+
+    /// Where the time goes. Cases run beside each other, so that these are not the seconds that a case takes alone.
+    fn slowest(&self) -> String {
+        let mut cases: Vec<&Found> = self.cases.values().filter(|found| !found.rows.is_empty()).collect();
+        cases.sort_by(|a, b| b.seconds.total_cmp(&a.seconds));
+        let all: f64 = cases.iter().map(|found| found.seconds).sum();
+        let mut text = format!("\n{all:.0} s in all; the slowest, with their largest standard error over its limit:\n");
+        for Found { rows, seconds, uncertainty, .. } in cases.into_iter().take(SLOWEST) {
+            let _ = writeln!(text, "{seconds:5.1} s  {uncertainty:.2}  {} {}", rows[0].id, rows[0].title);
+        }
         text
     }
 
