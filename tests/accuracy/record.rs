@@ -77,7 +77,8 @@ pub struct Case {
     title: &'static str,
     is_full: bool,
     known: Option<&'static str>,
-    /// The largest standard error of a mean over the largest that it may have: how much fewer samples would do.
+    /// The largest standard error of a mean over the largest that it may have. Its square is about the share of the samples
+    /// that would do.
     pub uncertainty: f64,
     pub rows: Vec<Row>,
     pub efficiencies: Vec<Efficiency>,
@@ -128,13 +129,19 @@ impl Case {
         self.row(what, long(expected), long(got), off, tolerance, passes);
     }
 
+    /// Whether a standard error is small enough to prove something; notes how near to its limit it is.
+    fn is_precise(&mut self, error: f64, limit: f64) -> bool {
+        self.uncertainty = self.uncertainty.max(error / limit);
+        error <= limit
+    }
+
     /// A mean with its standard error: within four of them (and rounding), and precise enough to prove something: no
     /// larger than `tolerance`, relative to the exact value.
     pub fn mean(&mut self, what: impl Into<String>, (mean, error): (f64, f64), exact: f64, tolerance: f64) {
         let off = (mean - exact).abs();
-        self.uncertainty = self.uncertainty.max(error / (tolerance * exact.abs()));
+        let is_precise = self.is_precise(error, tolerance * exact.abs());
         let standard_errors = if off <= ARITHMETIC * exact.abs() { 0.0 } else { off / error };
-        let passes = off <= 4.0 * error + ARITHMETIC * exact.abs() && error <= tolerance * exact.abs();
+        let passes = off <= 4.0 * error + ARITHMETIC * exact.abs() && is_precise;
         self.row(
             what,
             long(exact),
@@ -155,9 +162,9 @@ impl Case {
         (bias, tolerance): (f64, f64),
     ) {
         let off = (mean - exact).abs();
-        self.uncertainty = self.uncertainty.max(error / (tolerance * exact.abs()));
+        let is_precise = self.is_precise(error, tolerance * exact.abs());
         let beyond = (off - (bias + ARITHMETIC) * exact.abs()).max(0.0);
-        let passes = beyond <= 4.0 * error && error <= tolerance * exact.abs();
+        let passes = beyond <= 4.0 * error && is_precise;
         self.row(
             what,
             long(exact),
