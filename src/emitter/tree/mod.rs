@@ -18,7 +18,7 @@ mod cone;
 pub(super) use cone::Cone;
 
 use super::Receiver;
-use crate::math::Vec3;
+use crate::math::{Vec3, Vec4};
 
 /// Children of a node.
 const WIDTH: usize = 4;
@@ -89,46 +89,53 @@ impl Node {
     #[inline]
     fn importances(&self, query: &Query) -> [f32; WIDTH] {
         let (p, n) = (query.p, query.normal);
-        let mut importances = [0.0; WIDTH];
-        // The loop has no branches, so that the compiler vectorises it.
-        for (k, importance) in importances.iter_mut().enumerate() {
-            let (x, y, z) = (p.x - self.centre[0][k], p.y - self.centre[1][k], p.z - self.centre[2][k]);
-            let distance2 = x * x + y * y + z * z;
-            let beyond2 = distance2.max(self.radius2[k]);
-            let is_within = distance2 <= self.radius2[k];
-            let per_distance = 1.0 / beyond2.sqrt();
-            // The angle under which the receiver sees the sphere.
-            let sin2 = self.radius2[k] / beyond2;
-            let (sin_seen, cos_seen) = (sin2.sqrt(), (1.0 - sin2).sqrt());
-            // The angle between the cone's axis and the direction to the receiver, minus the cone's half angle, minus
-            // that of the sphere.
-            let cos_off = (x * self.axis[0][k] + y * self.axis[1][k] + z * self.axis[2][k]) * per_distance;
-            let sin_off = (1.0 - cos_off * cos_off).max(0.0).sqrt();
-            let is_in_cone = cos_off >= self.cos[k];
-            let cos_left = if is_in_cone { 1.0 } else { cos_off * self.cos[k] + sin_off * self.sin[k] };
-            let sin_left = if is_in_cone { 0.0 } else { sin_off * self.cos[k] - cos_off * self.sin[k] };
-            let leaving = cos_of_difference(cos_left, sin_left, cos_seen, sin_seen);
+        let from = |at: f32, axis: usize| Vec4::splat(at) - Vec4::from_array(self.centre[axis]);
+        let (x, y, z) = (from(p.x, 0), from(p.y, 1), from(p.z, 2));
+        let (axis, cos, sin) = (self.axis.map(Vec4::from_array), Vec4::from(self.cos), Vec4::from(self.sin));
+        let radius2 = Vec4::from(self.radius2);
+        let distance2 = x * x + y * y + z * z;
+        let beyond2 = distance2.max(radius2);
+        let is_within = distance2.cmple(radius2);
+        let per_distance = Vec4::ONE / beyond2.sqrt();
+        // The angle under which the receiver sees the sphere.
+        let sin2 = radius2 / beyond2;
+        let (sin_seen, cos_seen) = (sin2.sqrt(), (Vec4::ONE - sin2).sqrt());
+        // The angle between the cone's axis and the direction to the receiver, minus the cone's half angle, minus
+        // that of the sphere.
+        let cos_off = (x * axis[0] + y * axis[1] + z * axis[2]) * per_distance;
+        let sin_off = sine(cos_off);
+        let is_in_cone = cos_off.cmpge(cos);
+        let cos_left = Vec4::select(is_in_cone, Vec4::ONE, cos_off * cos + sin_off * sin);
+        let sin_left = Vec4::select(is_in_cone, Vec4::ZERO, sin_off * cos - cos_off * sin);
+        let leaving = cos_of_difference(cos_left, sin_left, cos_seen, sin_seen);
+        let arriving = if query.all_sides {
+            Vec4::ONE
+        } else {
             let cos_in = -(x * n.x + y * n.y + z * n.z) * per_distance;
-            let sin_in = (1.0 - cos_in * cos_in).max(0.0).sqrt();
-            let arriving = cos_of_difference(cos_in, sin_in, cos_seen, sin_seen);
-            let arriving = if query.all_sides { 1.0 } else { arriving };
-            let cosines = if is_within { 1.0 } else { cosine_factor(leaving) * cosine_factor(arriving) };
-            *importance = self.intensity[k] * cosines / beyond2;
-        }
-        importances
+            cosine_factor(cos_of_difference(cos_in, sine(cos_in), cos_seen, sin_seen))
+        };
+        let cosines = Vec4::select(is_within, Vec4::ONE, cosine_factor(leaving) * arriving);
+        (Vec4::from(self.intensity) * cosines / beyond2).to_array()
     }
+}
+
+/// Sine of an angle in [0, pi], by its cosine.
+#[inline]
+fn sine(cos: Vec4) -> Vec4 {
+    (Vec4::ONE - cos * cos).max(Vec4::ZERO).sqrt()
 }
 
 /// Cosine of angle a minus angle b, or of 0 where b is larger.
 #[inline]
-fn cos_of_difference(cos_a: f32, sin_a: f32, cos_b: f32, sin_b: f32) -> f32 {
-    if cos_a >= cos_b { 1.0 } else { cos_a * cos_b + sin_a * sin_b }
+fn cos_of_difference(cos_a: Vec4, sin_a: Vec4, cos_b: Vec4, sin_b: Vec4) -> Vec4 {
+    Vec4::select(cos_a.cmpge(cos_b), Vec4::ONE, cos_a * cos_b + sin_a * sin_b)
 }
 
 /// A largest cosine as a factor: 0 only where it is below 0 by more than its error.
 #[inline]
-fn cosine_factor(cos: f32) -> f32 {
-    if cos < -COSINE_ERROR { 0.0 } else { cos.max(COSINE_ERROR) }
+fn cosine_factor(cos: Vec4) -> Vec4 {
+    let factor = cos.max(Vec4::splat(COSINE_ERROR));
+    Vec4::select(cos.cmplt(Vec4::splat(-COSINE_ERROR)), Vec4::ZERO, factor)
 }
 
 impl LightTree {
