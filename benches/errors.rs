@@ -56,7 +56,8 @@ fn main() {
         let scene = Scene::build(&desc, &BuildOptions::default()).unwrap();
         for &samples in &counts {
             let run = |adaptive: bool| -> Vec<(Image, Summary)> {
-                let desc = |seed| RenderDesc { resolution: [128, 128], samples, seed, ..desc.render.clone() };
+                let alone = RenderDesc { reuse: Some(false), light_paths: Some(false), ..desc.render.clone() };
+                let desc = |seed| RenderDesc { resolution: [128, 128], samples, seed, ..alone.clone() };
                 (0..SEEDS).map(|seed| render(&scene, desc(seed + 100 * u64::from(adaptive)), adaptive)).collect()
             };
             let (uniform, adaptive) = (run(false), run(true));

@@ -106,7 +106,9 @@ fn fireflies(radius: f64) -> Scene {
 }
 
 fn settings(side: u32, samples: u32, seed: u64) -> RenderSettings {
-    let desc = RenderDesc { resolution: [side; 2], samples, seed, ..RenderDesc::default() };
+    // Pixels are independent, but where a test says otherwise.
+    let (reuse, light_paths) = (Some(false), Some(false));
+    let desc = RenderDesc { resolution: [side; 2], samples, seed, reuse, light_paths, ..RenderDesc::default() };
     RenderSettings { desc, threads: 2, ..RenderSettings::default() }
 }
 
@@ -118,9 +120,7 @@ fn run(scene: &Scene, settings: RenderSettings) -> (Image, Summary) {
 
 /// Independent of all others, as are its pixels of each other.
 fn reference(scene: &Scene, side: u32, samples: u32) -> Image {
-    let mut settings = settings(side, samples, 1 << 40);
-    settings.desc.reuse = Some(false);
-    run(scene, settings).0
+    run(scene, settings(side, samples, 1 << 40)).0
 }
 
 fn true_rel_mse(image: &Image, reference: &Image) -> f64 {

@@ -250,8 +250,11 @@ fn a_pilot_says_whether_pixels_share_hits() {
     assert!(!shares_hits(&lens, with(long.clone())));
 
     assert!(!shares(RenderDesc { reuse: Some(false), ..long.clone() }));
-    assert!(!shares(RenderDesc { samples: 500, ..long.clone() }));
-    assert!(!shares(RenderDesc { resolution: [40, 100], ..long.clone() }));
+    // A small pilot says so of shorter renders.
+    let short = RenderDesc { samples: 190, ..long.clone() };
+    assert!(shares(short.clone()) && !shares_hits(&lens, with(short)));
+    assert!(!shares(RenderDesc { samples: 170, ..long.clone() }));
+    assert!(!shares(RenderDesc { resolution: [20, 200], ..long.clone() }));
     for integrator in [IntegratorDesc::Whitted, IntegratorDesc::Direct, IntegratorDesc::Sppm] {
         assert!(!shares(RenderDesc { integrator, ..long.clone() }), "{}", integrator.name());
     }
@@ -261,16 +264,22 @@ fn a_pilot_says_whether_pixels_share_hits() {
     assert!(!others(RenderSettings { target_error: Some(0.1), ..with(long.clone()) }));
     assert!(others(RenderSettings { target_error: Some(0.1), adaptive: Some(false), ..with(long.clone()) }));
     let limited = |seconds| RenderSettings { time_limit: Some(Duration::from_secs(seconds)), ..with(long.clone()) };
-    assert!(!others(limited(9)) && others(limited(60)));
+    assert!(!others(limited(2)) && others(limited(4)) && others(limited(60)));
 }
 
 /// A render that is stopped in its pilot makes the pilot again, and comes to the same picture.
 #[test]
 fn a_pilot_that_was_stopped_is_made_again() {
     let scene = diffuse();
-    // Long enough for a report before it is done.
-    let desc = RenderDesc { resolution: [80, 80], samples: MOST_SAMPLES, shadow_rays: 8, ..RenderDesc::default() };
-    let settings = RenderSettings { desc, threads: 1, ..RenderSettings::default() };
+    // Long enough for a report before it is done, also of a small one whose squares are all begun at once.
+    for (samples, shadow_rays, threads) in [(MOST_SAMPLES, 8, 1), (130, 64, 12)] {
+        stopped_and_made_again(&scene, samples, shadow_rays, threads);
+    }
+}
+
+fn stopped_and_made_again(scene: &Scene, samples: u32, shadow_rays: u32, threads: usize) {
+    let desc = RenderDesc { resolution: [80, 80], samples, shadow_rays, ..RenderDesc::default() };
+    let settings = RenderSettings { desc, threads, ..RenderSettings::default() };
     let one_pass = |render: &mut Render| {
         let mut stop = |report: &Progress| match report.samples_done {
             0 => ControlFlow::Continue(()),
@@ -279,10 +288,10 @@ fn a_pilot_that_was_stopped_is_made_again() {
         assert!(render.run(&mut stop).unwrap().reuse);
         render.image().rgb
     };
-    let mut stopped = Render::new(&scene, settings.clone()).unwrap();
+    let mut stopped = Render::new(scene, settings.clone()).unwrap();
     let summary = stopped.run(&mut |_| ControlFlow::Break(())).unwrap();
     assert!(summary.ended == Ended::Cancelled && !summary.reuse && summary.samples == 0, "{summary:?}");
-    assert_eq!(one_pass(&mut stopped), one_pass(&mut Render::new(&scene, settings).unwrap()));
+    assert_eq!(one_pass(&mut stopped), one_pass(&mut Render::new(scene, settings).unwrap()));
 }
 
 #[test]
@@ -435,9 +444,10 @@ fn a_pilot_says_how_many_light_samples_first_hits_have() {
     let crop = Some(CropDesc { left: 7, top: 9, width: 3, height: 5 });
     assert_eq!(taken("smooth-mesh.json", RenderDesc { crop, seed: 5, ..long.clone() }), lamps);
     assert!(taken("smooth-mesh.json", RenderDesc { reuse: Some(true), ..long.clone() }) > 1);
+    assert!(taken("smooth-mesh.json", RenderDesc { samples: 190, ..long.clone() }) > 1);
     for other in [
         RenderDesc { first_shadow_rays: Some(1), ..long.clone() },
-        RenderDesc { samples: 500, ..long.clone() },
+        RenderDesc { samples: 170, ..long.clone() },
         RenderDesc { spectral: true, ..long.clone() },
         RenderDesc { reuse: Some(false), light_paths: Some(false), ..long.clone() },
         RenderDesc { integrator: IntegratorDesc::Direct, ..long.clone() },
@@ -445,7 +455,7 @@ fn a_pilot_says_how_many_light_samples_first_hits_have() {
         assert_eq!(taken("smooth-mesh.json", other), 1);
     }
     assert_eq!(taken("smooth-mesh.json", RenderDesc { first_shadow_rays: Some(7), ..long.clone() }), 7);
-    assert_eq!(taken("room.json", long), 1);
+    assert_eq!(taken("depth-of-field.json", long), 1);
 }
 
 /// By themselves, light paths are traced where a pilot says so, in long renders in which they can be.
@@ -472,9 +482,10 @@ fn a_pilot_says_whether_light_paths_are_traced() {
     // The seed of the render and a part of the picture change nothing.
     let crop = Some(CropDesc { left: 7, top: 9, width: 3, height: 5 });
     assert!(traces(&caustic, RenderDesc { crop, seed: 5, reuse: Some(true), ..long.clone() }));
+    assert!(traces(&caustic, RenderDesc { samples: 190, ..long.clone() }));
     for other in [
         RenderDesc { light_paths: Some(false), ..long.clone() },
-        RenderDesc { samples: 500, ..long.clone() },
+        RenderDesc { samples: 170, ..long.clone() },
         RenderDesc { spectral: true, ..long.clone() },
         RenderDesc { integrator: IntegratorDesc::Sppm, ..long.clone() },
     ] {
@@ -517,7 +528,7 @@ fn a_pilot_says_whether_the_irradiance_cache_is_taken() {
     let cache = RenderDesc { integrator: IntegratorDesc::IrradianceCache, allow_bias: false, ..auto.clone() };
     assert!(bits(&render) == bits(&begun(&box_of_walls, settings(&cache)).0));
     // A render that goes on asks no pilot again, also where none would be made, and takes the same samples.
-    let hurried = RenderSettings { time_limit: Some(Duration::from_secs(5)), ..settings(&auto) };
+    let hurried = RenderSettings { time_limit: Some(Duration::from_secs(2)), ..settings(&auto) };
     let mut more = Render::resume(&box_of_walls, hurried, render.checkpoint().unwrap()).unwrap();
     let notes = more.run(&mut |_| ControlFlow::Break(())).unwrap().notes.join("\n");
     assert!(notes.contains("auto chose irradiance_cache: the part of the render before chose so, and"), "{notes}");
@@ -542,6 +553,10 @@ fn a_pilot_says_whether_the_irradiance_cache_is_taken() {
     let error = RenderSettings { target_error: Some(1e-3), adaptive: Some(false), ..settings(&auto) };
     let (_, notes) = begun(&box_of_walls, error);
     assert!(notes.contains("no pilot compared the irradiance cache with paths: an error ends the render"), "{notes}");
+    // A small pilot compares no cache, and there is nothing to allow.
+    let short = RenderDesc { samples: 190, allow_bias: false, ..long.clone() };
+    let (_, notes) = begun(&box_of_walls, settings(&short));
+    assert!(notes.contains("pixels shared hits") && !notes.contains("no pilot compared"), "{notes}");
     let (_, notes) = begun(&scene("soft-shadows.json"), settings(&long));
     assert!(notes.contains("the irradiance cache would gain too little"), "{notes}");
 }

@@ -555,6 +555,11 @@ fn picture(scene: &Scene, desc: RenderDesc, threads: usize) -> Vec<f32> {
     picture_and_notes(scene, desc, threads).0
 }
 
+/// Path tracing that no pilot chooses for.
+fn alone(desc: &RenderDesc) -> RenderDesc {
+    RenderDesc { reuse: Some(false), light_paths: Some(false), ..desc.clone() }
+}
+
 fn picture_and_notes(scene: &Scene, desc: RenderDesc, threads: usize) -> (Vec<f32>, Vec<String>) {
     let settings = RenderSettings { desc, threads, ..RenderSettings::default() };
     let mut render = Render::new(scene, settings).unwrap();
@@ -612,7 +617,7 @@ fn many_triangles() {
     let scene = build(&desc);
     let fine = RadiosityDesc { error: 0.2, ..RadiosityDesc::default() };
     let base = RenderDesc { resolution: [36, 36], samples: 1024, ..RenderDesc::default() };
-    let reference = picture(&scene, base.clone(), 2);
+    let reference = picture(&scene, alone(&base), 2);
     let radiosity = RenderDesc { integrator: IntegratorDesc::Radiosity, samples: 64, radiosity: fine, ..base };
     let (image, notes) = picture_and_notes(&scene, radiosity, 2);
     let error = rel_mse(&image, &reference);
@@ -629,7 +634,7 @@ fn cornell_box() {
     let desc = etendue::desc::load(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/cornell.json").as_ref(), None).unwrap();
     let scene = build(&desc);
     let base = RenderDesc { resolution: [40, 40], samples: 4096, ..RenderDesc::default() };
-    let reference = picture(&scene, base.clone(), 2);
+    let reference = picture(&scene, alone(&base), 2);
     let one = |size: f64, error: f64, final_gather: bool| {
         let radiosity = RadiosityDesc { element_size: Some(size), error, final_gather, ..RadiosityDesc::default() };
         let samples = if final_gather { 1024 } else { 64 };

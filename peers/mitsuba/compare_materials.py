@@ -208,7 +208,7 @@ HEAD = """| materials | means R / G / B, ours over Mitsuba's, % | ± % | largest
 def render_ours(args, file, folder, seed):
     output = pathlib.Path(folder) / "ours.pfm"
     size = "x".join(str(n) for n in args.resolution)
-    options = ("--resolution", size, "--spp", args.spp, "--filter", "box", "--integrator", "path")
+    options = ("--resolution", size, "--spp", args.spp, "--filter", "box", "--integrator", "path", "--reuse=off", "--light-paths=off")
     ours.render(args.etendue, file, output, args.threads, seed, *options)
     return pictures.read_pfm(output)
 

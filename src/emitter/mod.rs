@@ -393,6 +393,11 @@ impl EmitterSet {
         self.choice.is_none()
     }
 
+    /// Whether they are so many that a sample is chosen among them by what the receiver may get from each.
+    pub(crate) fn are_chosen_by_receiver(&self) -> bool {
+        matches!(self.choice, Some(EmitterChoice::ByReceiver { .. }))
+    }
+
     /// The emitters, in the order of their indices.
     pub fn emitters(&self) -> &[Emitter] {
         &self.emitters

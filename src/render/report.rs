@@ -5,6 +5,7 @@ use std::time::Duration;
 use super::Render;
 use super::adaptive::PILOT;
 use super::method::Method;
+use super::pilot::Size;
 use super::replay::NonFiniteSample;
 use super::ways::why_no_cache;
 use crate::desc::{Bias, FilterDesc, IntegratorDesc, SamplerDesc};
@@ -105,7 +106,9 @@ impl Render {
         let why = self.comparison.err().filter(|_| is_open)?;
         // Where a bias is not allowed, nothing is said unless allowing it would change something.
         let is_of_use = self.desc.allow_bias
-            || self.found.is_some() && why_no_cache(&self.scene, &self.settings, self.integrator()).is_none();
+            || self.found.is_some()
+                && Size::of(&self.settings).is_some_and(Size::is_large)
+                && why_no_cache(&self.scene, &self.settings, self.integrator()).is_none();
         is_of_use.then(|| format!("no pilot compared the irradiance cache with paths: {why}"))
     }
 

@@ -2,15 +2,12 @@
 //! light paths find caustics, how many light samples the hits have that the camera sees, and whether the irradiance cache takes the place of
 //! paths.
 
-use std::time::Duration;
-
 use serde::{Deserialize, Serialize};
 
 use super::Render;
 use super::maps::Maps;
 use super::method::Method;
-use super::order::SQUARE;
-use super::pilot::{ACROSS, MOST_TIMES, TIMES_LONGER};
+use super::pilot::{MOST_TIMES, Size};
 use super::settings::RenderSettings;
 use crate::desc::{IntegratorDesc, MAX_SHADOW_RAYS, Preparation};
 use crate::error::Result;
@@ -24,12 +21,6 @@ use crate::integrator::{
     no_first_shadow_rays, no_light_paths, no_reuse,
 };
 use crate::scene::Scene;
-
-/// Number of samples per pixel of a pilot: two for each replicate.
-pub(super) const SAMPLES: u32 = 16;
-
-/// Shortest time limit with which a pilot is made.
-const LEAST_TIME: Duration = Duration::from_secs(10);
 
 /// Makes the random numbers of light paths others than those of the pixels.
 pub(super) const LIGHT_SEED: u64 = 0x6c69_6768_7400_0000;
@@ -53,8 +44,8 @@ pub(super) struct Wanted {
     pub first_shadow_rays: Option<u32>,
     /// Whether a pilot may choose the irradiance cache, and why not.
     pub cache: std::result::Result<(), &'static str>,
-    /// Number of squares of a pilot in a row and in a column.
-    pub across: u32,
+    /// The size of a pilot, where the render is long enough for one.
+    pub size: Option<Size>,
 }
 
 /// What pixels of a render have in common, as checkpoints keep it and helpers hear it: `None` as long as a pilot is to say.
@@ -87,11 +78,11 @@ impl Wanted {
         place: Option<&'static str>,
     ) -> Result<Self> {
         let desc = &settings.desc;
-        let squares = squares_across(settings);
+        let size = Size::of(settings);
         let decide = |asked: Option<bool>, allowed: &dyn Fn() -> Result<()>| match asked {
             Some(true) => allowed().map(|()| Decision::Yes),
             Some(false) => Ok(Decision::No),
-            None if squares.is_some() && allowed().is_ok() => Ok(Decision::ByPilot),
+            None if size.is_some() && allowed().is_ok() => Ok(Decision::ByPilot),
             None => Ok(Decision::No),
         };
         // Whether a picture that was asked for can be rendered must not depend on what is chosen for the scene.
@@ -147,11 +138,13 @@ impl Wanted {
         }
         let cache = match why_no_cache(scene, settings, integrator) {
             _ if !desc.allow_bias => Err("auto allows no bias unless it is asked to"),
-            _ if squares.is_none() => Err("the render is short, or has other numbers of samples for each pixel"),
+            _ if !size.is_some_and(Size::is_large) => {
+                Err("the picture is small or of few samples, or has other numbers of samples for each pixel")
+            }
             Some(why) => Err(why),
             None => Ok(()),
         };
-        Ok(Self { reuse, light_paths, first_shadow_rays, cache, across: squares.unwrap_or(ACROSS[0]) })
+        Ok(Self { reuse, light_paths, first_shadow_rays, cache, size })
     }
 
     /// Whether one of them was asked for, so that all pixels have the same number of samples.
@@ -192,22 +185,6 @@ pub(super) fn why_no_cache(
     is_refused.then_some("the cache does not take the scene")
 }
 
-/// Number of squares of the pilot in a row and in a column, for a render that is so long that the pilot is a small part of it. `None` for
-/// others, and for adaptive renders.
-///
-/// It is the picture that counts, whatever part of it is rendered: each part is to show what the whole picture does.
-fn squares_across(settings: &RenderSettings) -> Option<u32> {
-    let [width, height] = settings.desc.resolution;
-    let samples = u64::from(width) * u64::from(height) * u64::from(settings.desc.samples);
-    let affordable = (samples / (TIMES_LONGER * u64::from(SQUARE * SQUARE * SAMPLES))).isqrt();
-    let across = affordable.min(u64::from(ACROSS[1])).min(u64::from(width.min(height) / SQUARE)) as u32;
-    // How many samples there will be is not known.
-    let across = if settings.time_limit.is_some() { across.min(ACROSS[0]) } else { across };
-    let is_short = settings.time_limit.is_some_and(|limit| limit < LEAST_TIME);
-    let is_adaptive = settings.adaptive.unwrap_or(settings.target_error.is_some());
-    (across >= ACROSS[0] && !is_short && !is_adaptive).then_some(across)
-}
-
 /// What a pilot is to choose.
 #[derive(Clone, Debug)]
 pub(super) struct Undecided {
@@ -219,8 +196,7 @@ pub(super) struct Undecided {
     pub first_shadow_rays: bool,
     /// Whether it is open whether the irradiance cache takes the place of paths.
     pub cache: bool,
-    /// Number of squares in a row and in a column.
-    pub across: u32,
+    pub size: Size,
 }
 
 impl Undecided {
@@ -229,7 +205,7 @@ impl Undecided {
         let sharing = (wanted.reuse == Decision::ByPilot).then(sharing);
         let light = light.filter(|_| wanted.light_paths == Decision::ByPilot).cloned();
         let first_shadow_rays = wanted.first_shadow_rays.is_none();
-        Self { sharing, light, first_shadow_rays, cache: wanted.cache.is_ok(), across: wanted.across }.unless_empty()
+        Self { sharing, light, first_shadow_rays, cache: wanted.cache.is_ok(), size: wanted.size? }.unless_empty()
     }
 
     /// What is still open once some of it is known; `None` where nothing is.

@@ -15,17 +15,16 @@
 
 use std::sync::Arc;
 
-use super::gain::{Best, Cost, Square, errors_of, mean_error};
-use super::{SEED, place, render_square, squared};
+use super::gain::Best;
+use super::measure::{Measure, squared};
+use super::size::Size;
+use super::{Rendered, SEED, place, render_square};
 use crate::control::Parallel;
 use crate::desc::RenderDesc;
 use crate::error::{Error, ErrorKind, Result};
-use crate::film::ErrorEstimate;
 use crate::integrator::photon::Plan;
 use crate::render::method::Method;
-use crate::render::order::SQUARE;
 use crate::render::pass::PassInput;
-use crate::render::ways::SAMPLES;
 
 /// Greatest share of the time of paths that filling a cache may take before it is given up.
 const LARGEST_FILL: f64 = 0.4;
@@ -37,8 +36,9 @@ const TIME_OF_A_RAY: f64 = 1.9;
 /// The gain from which on the cache is taken.
 const LEAST_GAIN: f64 = 1.5;
 
-/// Greatest error of the cache, in that of paths, with which it is taken. Points that are spread evenly make paths better than 16 samples tell.
-const MOST_ERROR: f64 = 0.7;
+/// Greatest error of the cache, in that of paths, with which it is taken. Points that are spread evenly make paths better than
+/// 16 samples tell.
+const MOST_ERROR: f64 = 0.75;
 
 /// Variance of the mean of a square below which a square counts as free of noise.
 const QUIET: f64 = 1e-8;
@@ -102,6 +102,8 @@ pub(in super::super) struct Asked {
     pub samples: f64,
     /// Number of pixels that filling is for: those of the picture, or where time ends the render, those that are rendered.
     pub pixels: f64,
+    /// The pilot's.
+    pub size: Size,
 }
 
 /// What the squares tell of the cache.
@@ -118,8 +120,8 @@ struct Tried {
 }
 
 /// The cache against paths, for so many samples.
-fn compare(paths: Best, cache: Tried, Asked { samples, pixels }: Asked) -> Comparison {
-    let fewer = f64::from(SAMPLES) / samples;
+fn compare(paths: Best, cache: Tried, Asked { samples, pixels, size }: Asked) -> Comparison {
+    let fewer = f64::from(size.samples) / samples;
     let (of_paths, of_cache) = (paths.error * fewer, cache.bias + cache.error * fewer);
     let time = TIME_OF_A_RAY * (cache.rays + cache.fill / (pixels * samples));
     let error = if of_paths > 0.0 { of_cache / of_paths } else { f64::INFINITY };
@@ -127,7 +129,7 @@ fn compare(paths: Best, cache: Tried, Asked { samples, pixels }: Asked) -> Compa
 }
 
 /// Most rays of filling with which a cache without bias would still be taken.
-fn most_of_fill(paths: Best, cache: Tried, Asked { samples, pixels }: Asked) -> f64 {
+fn most_of_fill(paths: Best, cache: Tried, Asked { samples, pixels, .. }: Asked) -> f64 {
     let of_paths = paths.error * paths.rays;
     let of_cache = (LEAST_GAIN * TIME_OF_A_RAY * cache.error).max(f64::MIN_POSITIVE);
     (pixels * samples * (of_paths / of_cache - cache.rays)).max(0.0)
@@ -183,16 +185,8 @@ fn squared_bias(differences: &[Difference]) -> f64 {
 /// Squares of the picture, to be rendered in other ways than those of paths.
 struct Squares<'a> {
     input: PassInput,
-    across: u32,
-    /// As paths have rendered them.
-    known: &'a [Square],
-}
-
-/// A square in each of several ways.
-struct Rendered {
-    error: ErrorEstimate,
-    luminances: Vec<[f64; 2]>,
-    rays: u64,
+    size: Size,
+    measure: &'a Measure,
 }
 
 impl Squares<'_> {
@@ -202,14 +196,12 @@ impl Squares<'_> {
         ways: [(Method, u64); N],
         parallel: &mut impl Parallel,
     ) -> Result<Vec<[Rendered; N]>> {
-        let (input, across, token) = (self.input.clone(), self.across, parallel.token());
-        let squares = parallel.map(self.known.len(), move |number| {
-            let origin = place(&input, across, number as u32);
+        let (input, size, token) = (self.input.clone(), self.size, parallel.token());
+        let squares = parallel.map(size.squares(), move |number| {
+            let origin = place(&input, size.across, number as u32);
             let render = |(method, seed)| {
                 let desc = Arc::new(RenderDesc { seed, ..(*input.desc).clone() });
-                let input = PassInput { method, desc, ..input.clone() };
-                let (film, Cost { error, rays }) = render_square(input, origin, token.clone())?;
-                Ok(Rendered { error, luminances: film.luminances(), rays })
+                render_square(PassInput { method, desc, ..input.clone() }, origin, token.clone())
             };
             let rendered = ways.clone().map(render).into_iter().collect::<Result<Vec<_>>>()?;
             rendered.try_into().map_err(|_| Error::new(ErrorKind::Internal, "a square lacks a way"))
@@ -218,34 +210,17 @@ impl Squares<'_> {
         squares.into_iter().collect()
     }
 
-    /// What squares by the cache tell of its noise and time.
-    fn tried<'a>(&self, paths: Best, cache: impl Iterator<Item = &'a Rendered>) -> Tried {
-        let (mut error, mut rays) = (0.0, 0);
-        for (own, square) in cache.zip(self.known) {
-            let of_paths = paths.way.and_then(|way| square.costs.get(way));
-            error += of_paths.map_or(own.error.value, |of_paths| errors_of([of_paths.error, own.error])[1]);
-            rays += own.rays;
+    /// The noise and the time of a way that all squares were rendered in.
+    fn tried<'a>(&self, squares: impl Iterator<Item = &'a Rendered>) -> Tried {
+        let (mut error, mut rays, mut count) = (0.0, 0, 0.0);
+        for (number, square) in squares.enumerate() {
+            error += self.measure.error(number, &square.pixels);
+            rays += square.rays;
+            count += 1.0;
         }
-        let count = self.known.len().max(1) as f64;
-        Tried { error: error / count, rays: rays as f64 / samples_of(count), ..Tried::default() }
+        let count = f64::max(count, 1.0);
+        Tried { error: error / count, rays: rays as f64 / self.size.samples_of(count), ..Tried::default() }
     }
-}
-
-/// Number of samples of so many squares.
-fn samples_of(squares: f64) -> f64 {
-    squares * f64::from(SQUARE * SQUARE * SAMPLES)
-}
-
-/// What a cache without bias would come to, by light that paths see of lamps themselves and by way of mirrors and glass: it has the noise of
-/// the cache.
-fn hoped(rendered: &[[Rendered; 2]]) -> Tried {
-    let count = rendered.len().max(1) as f64;
-    let errors = rendered.iter().map(|[paths, seen]| {
-        let means: Vec<f64> = paths.luminances.iter().map(|[mean, _]| *mean).collect();
-        mean_error(seen.luminances.iter().zip(squared(&means)).map(|([_, variance], squared)| variance / squared)).value
-    });
-    let rays = rendered.iter().map(|[_, seen]| seen.rays).sum::<u64>() as f64 / samples_of(count);
-    Tried { error: errors.sum::<f64>() / count, rays, ..Tried::default() }
 }
 
 /// Fills the cache, unless that takes longer than it can be worth, and compares it with the best way of paths. Returns the number of rays too.
@@ -255,17 +230,19 @@ fn hoped(rendered: &[[Rendered; 2]]) -> Tried {
 pub(super) fn try_cache(
     input: &PassInput,
     plan: &mut Plan,
-    (across, squares, paths): (u32, &[Square], Best),
+    (measure, paths): (&Measure, Best),
     asked: Asked,
     parallel: &mut impl Parallel,
 ) -> Result<(Cached, u64)> {
     let input = PassInput { light: None, first_shadow_rays: input.desc.shadow_rays, ..input.clone() };
-    let squares = Squares { input, across, known: squares };
+    let squares = Squares { input, size: asked.size, measure };
     // Paths of other random numbers than those by which they were chosen: the least of several errors is too small.
     let rendered = squares.render([(Method::Path, !SEED), (Method::Whitted, SEED)], parallel)?;
     let mut rays = rendered.iter().flatten().map(|way| way.rays).sum::<u64>();
     let time = paths.rays * asked.samples * asked.pixels;
-    let most = most_of_fill(paths, hoped(&rendered), asked).min(LARGEST_FILL * time / TIME_OF_A_RAY);
+    // Light that paths see of lamps themselves and by way of mirrors and glass has the noise of a cache without bias.
+    let hoped = squares.tried(rendered.iter().map(|[_, seen]| seen));
+    let most = most_of_fill(paths, hoped, asked).min(LARGEST_FILL * time / TIME_OF_A_RAY);
     if most < 1.0 {
         return Ok((Cached::GivenUp, rays));
     }
@@ -277,12 +254,12 @@ pub(super) fn try_cache(
     let Some((gather, Some(rms_error))) = made else { return Ok((Cached::GivenUp, rays)) };
     let cached = squares.render([(Method::Gather(Box::new(gather)), SEED)], parallel)?;
     rays += cached.iter().flatten().map(|way| way.rays).sum::<u64>();
-    let both = || cached.iter().map(|[cache]| &cache.luminances).zip(&rendered);
-    let differences: Vec<_> = both().map(|(cache, [paths, _])| Difference::of(cache, &paths.luminances)).collect();
-    let shares = both().map(|(cache, [_, seen])| indirect_share(cache, &seen.luminances).powi(2));
+    let both = || cached.iter().map(|[cache]| &cache.pixels).zip(&rendered);
+    let differences: Vec<_> = both().map(|(cache, [paths, _])| Difference::of(cache, &paths.pixels)).collect();
+    let shares = both().map(|(cache, [_, seen])| indirect_share(cache, &seen.pixels).powi(2));
     let of_probes = rms_error * rms_error * shares.sum::<f64>() / cached.len().max(1) as f64;
     let bias = squared_bias(&differences).max(of_probes);
-    let tried = squares.tried(paths, cached.iter().map(|[cache]| cache));
+    let tried = squares.tried(cached.iter().map(|[cache]| cache));
     let cache = Tried { fill: fill as f64, bias, ..tried };
     Ok((Cached::Compared(compare(paths, cache, asked)), rays))
 }
@@ -292,12 +269,13 @@ mod tests {
     use super::*;
     use crate::sampling::Rng;
 
-    const PATHS: Best = Best { way: None, error: 0.01, rays: 10.0 };
+    const SIZE: Size = Size { across: 6, samples: 16 };
+    const PATHS: Best = Best { error: 0.01, rays: 10.0 };
 
     #[test]
     fn the_bias_counts_more_the_more_samples_there_are() {
         let cache = Tried { error: 0.002, rays: 2.0, fill: 0.0, bias: 1e-4 };
-        let of = |cache: Tried, samples: f64| compare(PATHS, cache, Asked { samples, pixels: 1000.0 });
+        let of = |cache: Tried, samples: f64| compare(PATHS, cache, Asked { samples, pixels: 1000.0, size: SIZE });
         // Of 16 samples: 0.01 times 10 over 0.0021 times 2 rays.
         let few = of(cache, 16.0);
         assert!((few.gain - 0.1 / (0.0021 * 2.0 * TIME_OF_A_RAY)).abs() < 1e-9, "{few:?}");
@@ -311,13 +289,13 @@ mod tests {
         // The time of filling is that of as many samples.
         let filled = Tried { fill: 32_000.0, ..cache };
         assert!((of(filled, 16.0).gain - 0.5 * few.gain).abs() < 1e-9);
-        let dark = compare(Best { error: 0.0, ..PATHS }, cache, Asked { samples: 16.0, pixels: 1.0 });
+        let dark = compare(Best { error: 0.0, ..PATHS }, cache, Asked { samples: 16.0, pixels: 1.0, size: SIZE });
         assert!(!Cached::Compared(dark).is_taken(), "{dark:?}");
     }
 
     #[test]
     fn filling_is_given_up_where_it_could_gain_too_little() {
-        let asked = Asked { samples: 64.0, pixels: 1000.0 };
+        let asked = Asked { samples: 64.0, pixels: 1000.0, size: SIZE };
         let cache = Tried { error: 0.002, rays: 2.0, ..Tried::default() };
         let fill = most_of_fill(PATHS, cache, asked);
         assert!(fill > 0.0 && (compare(PATHS, Tried { fill, ..cache }, asked).gain - LEAST_GAIN).abs() < 1e-9);
