@@ -43,14 +43,11 @@ use crate::desc::RenderDesc;
 use crate::error::Result;
 use crate::film::{Film, FilmOptions, Placement};
 use crate::integrator::aim::Aims;
-use crate::integrator::light_tracing::{LightPictures, PATHS_A_BLOCK};
+use crate::integrator::light_tracing::LightPictures;
 use crate::integrator::photon::Plan;
 
-/// Number of samples of a picture, of those for which its pilot is large enough, for each light path of the pilot.
+/// Number of samples of a picture for which a pilot is large enough, for each light path of the pilot.
 const SAMPLES_A_LIGHT_PATH: u64 = 48;
-
-/// Most light paths of a pilot.
-const MOST_LIGHT_PATHS: u64 = 1 << 20;
 
 /// Random numbers of the pilot. They do not depend on the seed of the render, so that renders of the same settings choose alike.
 const SEED: u64 = 0x70_696c_6f74;
@@ -76,9 +73,6 @@ pub(super) fn pilot(
     let size = undecided.size;
     let token = parallel.token();
     let asked = f64::from(input.desc.samples);
-    // However many samples there are to be, or are only asked for because time will end the render.
-    let samples = input.desc.resolution.map(u64::from).iter().product::<u64>() * u64::from(input.desc.samples);
-    let samples = samples.min(size.samples_of_picture());
     let desc = Arc::new(RenderDesc { seed: SEED, samples: size.samples, ..(*input.desc).clone() });
     let input = PassInput { desc, ..input.clone() };
     let few = input.first_shadow_rays;
@@ -113,7 +107,7 @@ pub(super) fn pilot(
     let rendered = rendered.into_iter().collect::<Result<Vec<_>>>()?;
     let mut traced = Traced::default();
     if let Some(paths) = &undecided.light {
-        let count = (samples / SAMPLES_A_LIGHT_PATH).clamp(u64::from(PATHS_A_BLOCK), MOST_LIGHT_PATHS) as u32;
+        let count = (size.samples_of_picture() / SAMPLES_A_LIGHT_PATH) as u32;
         let origins = (0..size.squares()).map(|number| place(&input, size.across, number as u32)).collect();
         traced = trace_light(&input, paths, count, &aims, origins, parallel)?;
     }

@@ -64,7 +64,7 @@ impl Size {
         (self.across * self.across) as usize
     }
 
-    /// Number of samples of a picture for which this is large enough.
+    /// Number of samples of a picture for which this is large enough: no more than those that were asked for.
     pub fn samples_of_picture(self) -> u64 {
         let kind = if self.is_large() { LARGE } else { SMALL };
         kind.times_longer * self.samples_of(self.squares() as f64) as u64
