@@ -43,13 +43,13 @@ fn built(ball: BsdfDesc) -> Scene {
     Scene::build(&room(ball), &BuildOptions::default()).unwrap()
 }
 
-/// 7 x 6 tiles, of which some are cut, and a filter whose weights are summed.
+/// 5 x 4 tiles, of which some are cut, and a filter whose weights are summed.
 fn settings(integrator: IntegratorDesc) -> RenderSettings {
     let photons = PhotonDesc { count: Some(2000), caustic_count: Some(2000), ..PhotonDesc::default() };
     let filter = FilterDesc::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 };
     let radiosity = RadiosityDesc { element_size: Some(0.5), ..RadiosityDesc::default() };
     let desc = RenderDesc {
-        resolution: [100, 83],
+        resolution: [68, 51],
         samples: 16,
         integrator,
         photons,

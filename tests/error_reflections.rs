@@ -182,7 +182,7 @@ impl Reference {
 /// passes of one render may meet it twice or never. Renders of one seed differ by the scattered light alone, since
 /// their samples take the same paths to the first wall.
 fn reference(room: &Room) -> Reference {
-    let (passes, samples) = if is_full() { (512, 1 << 15) } else { (192, 1 << 11) };
+    let (passes, samples) = if is_full() { (512, 1 << 15) } else { (128, 1 << 11) };
     let halves = [1 << 40, 1 << 41].map(|seed| {
         let [all, seen] = [&room.scene, &room.unlit].map(|scene| image(scene, IntegratorDesc::Sppm, passes, seed).rgb);
         let scattered: Vec<f64> = all.iter().zip(&seen).map(|(all, seen)| f64::from(all - seen)).collect();
@@ -302,7 +302,7 @@ fn calibrate(room: &Room, exact: &Reference, by: &str, integrator: IntegratorDes
 
 #[test]
 fn estimates_are_the_error_where_small_lamps_are_reflected() {
-    let seeds = if is_full() { 16 } else { 8 };
+    let seeds = if is_full() { 16 } else { 6 };
     println!(
         "| scene | by | true | estimated over true, median | least to greatest | against the median | flagged | not flagged, median |"
     );

@@ -53,7 +53,7 @@ fn estimated_errors_cover_the_true_ones() {
     // Narrow radii and many passes: its bias and noise are small against those that are judged.
     let reference = {
         let photons = PhotonDesc { radius: Some(0.08), caustic_radius: Some(0.02), ..PhotonDesc::default() };
-        let desc = RenderDesc { samples: 256, photons, ..settings(IntegratorDesc::Sppm, 256, 99) };
+        let desc = RenderDesc { photons, ..settings(IntegratorDesc::Sppm, 128, 99) };
         render(&scene, desc).0.image()
     };
     for integrator in [IntegratorDesc::Ppm, IntegratorDesc::Sppm] {

@@ -43,16 +43,6 @@ fn furnace(mesh: MeshDesc, albedo: f32, emission: Option<f32>) -> SceneDesc {
     desc
 }
 
-/// Smallest and largest irradiance of a surface over what is expected.
-fn range(solution: &Radiosity, surface: u32, expected: f64) -> (f64, f64) {
-    let mesh = solution.mesh(Some(surface), true);
-    assert!(!mesh.irradiance.is_empty());
-    mesh.irradiance.iter().fold((f64::INFINITY, 0.0), |(low, high), e| {
-        let e = f64::from(e.r()) / expected;
-        (low.min(e), high.max(e))
-    })
-}
-
 // Form factors.
 
 fn quad(corner: [f64; 3], u: [f64; 3], v: [f64; 3]) -> [DVec3; 4] {
@@ -155,7 +145,7 @@ fn polygons_without_area_see_nothing() {
     assert_eq!(polygon_to_polygon(&square, &square, 1e-6), 0.0);
 }
 
-// Rooms with known light.
+// Rooms with known light: docs/accuracy.md has more of them.
 
 /// A tessellated unit sphere, seen from inside: `rings` from pole to pole.
 fn sphere_inside(rings: u32, radius: f64) -> MeshDesc {
@@ -189,98 +179,18 @@ fn sphere_inside(rings: u32, radius: f64) -> MeshDesc {
     MeshDesc { name: "sphere".into(), positions, triangles, ..MeshDesc::default() }
 }
 
-fn tetrahedron_inside() -> MeshDesc {
-    let positions = vec![
-        DVec3::new(-1.0, -1.0, -1.0),
-        DVec3::new(2.0, 1.0, -1.0),
-        DVec3::new(1.0, -1.5, 1.0),
-        DVec3::new(-1.0, 1.0, 1.5),
-    ];
-    let mut triangles = vec![[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]];
-    let middle = positions.iter().sum::<DVec3>() / 4.0;
-    for triangle in &mut triangles {
-        let [a, b, c] = triangle.map(|i: u32| positions[i as usize]);
-        if (b - a).cross(c - a).dot(middle - a) < 0.0 {
-            triangle.swap(1, 2);
-        }
-    }
-    MeshDesc { name: "tetrahedron".into(), positions, triangles, ..MeshDesc::default() }
-}
-
-#[test]
-fn furnaces() {
-    let rooms = [
-        ("box", box_inside(DVec3::new(-1.0, -2.0, -1.0), DVec3::new(1.0, 1.0, 1.5))),
-        ("tetrahedron", tetrahedron_inside()),
-        ("sphere", sphere_inside(12, 1.5)),
-    ];
-    let mut wrong = false;
-    for (name, room) in rooms {
-        for albedo in [0.5, 0.9] {
-            let solution = solve(&furnace(room.clone(), albedo, Some(1.0)), &RadiosityDesc::default());
-            // All radiosities are pi / (1 - albedo), and so is what arrives.
-            let (low, high) = range(&solution, 0, PI / (1.0 - f64::from(albedo)));
-            println!("{name}, albedo {albedo}: {low:.6} to {high:.6}");
-            let summary = solution.summary();
-            let balance = f64::from(summary.absorbed.r() / summary.emitted.r());
-            println!("{name} balance {balance}");
-            wrong |= !(low > 0.999 && high < 1.001 && (balance - 1.0).abs() < 1e-3);
-        }
-    }
-    assert!(!wrong);
-}
-
 /// In an empty room all that a point light sends is absorbed.
 #[test]
 fn power_in_an_empty_room() {
     for (albedo, tolerance) in [(1e-4, 1e-5), (0.6, 1e-3)] {
         let mut desc = furnace(box_inside(DVec3::splat(-1.0), DVec3::splat(1.0)), albedo, None);
         desc.lights.push(point_light(DVec3::new(0.3, 0.2, 0.4), 2.0));
-        let solution = solve(&desc, &RadiosityDesc { error: 0.3, ..RadiosityDesc::default() });
+        let solution = solve(&desc, &RadiosityDesc { error: 0.6, ..RadiosityDesc::default() });
         let summary = solution.summary();
         let balance = f64::from(summary.absorbed.r() / summary.emitted.r());
         println!("albedo {albedo}: absorbed {balance}");
         assert!((balance - 1.0).abs() < tolerance, "{albedo}: {balance}");
     }
-}
-
-/// Case 56: L = rho E / pi + rho^2 Phi / (4 pi^2 R^2 (1 - rho)) at any place of a sphere with a point light inside, as
-/// irradiance: E + rho Phi / (4 pi R^2 (1 - rho)). In directions spread evenly: the relative error's mean, root mean square and largest
-/// value. The area of the triangles is 0.25 % below that of the ball with 36 rings, and so its light is brighter.
-#[test]
-fn integrating_sphere() {
-    let (radius, albedo, intensity, light) = (2.0, 0.7, 5.0, DVec3::new(0.8, 0.0, 0.0));
-    let mut errors = Vec::new();
-    for rings in [12, 36] {
-        let mut desc = furnace(sphere_inside(rings, radius), albedo as f32, None);
-        desc.lights.push(point_light(light, intensity as f32));
-        let settings = RadiosityDesc { element_size: Some(10.0), error: 1.0, ..RadiosityDesc::default() };
-        let solution = solve(&desc, &settings);
-        let scene = build(&desc);
-        let mut found = Vec::new();
-        for k in 0..400 {
-            let (z, phi) = (1.0 - (2.0 * f64::from(k) + 1.0) / 400.0, 2.399_963 * f64::from(k));
-            let r = (1.0 - z * z).sqrt();
-            let p = radius * DVec3::new(r * phi.cos(), r * phi.sin(), z);
-            let ray = Ray::new(scene.to_scene(DVec3::ZERO), (p / radius).as_vec3a());
-            let hit = scene.intersect(&ray).unwrap();
-            let at = scene.interaction(&ray, &hit);
-            let e = f64::from(solution.irradiance(&hit, at.point.p, true).r());
-            let to_light = light - p;
-            let direct = intensity * to_light.dot(-p).abs() / (radius * to_light.length().powi(3));
-            let expected = direct + albedo * 4.0 * PI * intensity / (4.0 * PI * radius * radius * (1.0 - albedo));
-            found.push(e / expected - 1.0);
-        }
-        let mean = found.iter().sum::<f64>() / found.len() as f64;
-        let root = (found.iter().map(|error| error * error).sum::<f64>() / found.len() as f64).sqrt();
-        let worst = found.iter().fold(0.0, |worst: f64, error| worst.max(error.abs()));
-        println!("{rings} rings: mean {mean:.5}, root mean square {root:.5}, worst {worst:.5}");
-        errors.push([mean, root, worst]);
-    }
-    // 2 * 36 * 72 triangles are 5000, less those at the poles.
-    let [coarse, fine] = [errors[0], errors[1]];
-    assert!((fine[0] - 0.0025).abs() < 0.001 && fine[1] < 0.01 && fine[2] < 0.04, "{errors:?}");
-    assert!(fine[1] < 0.6 * coarse[1], "{errors:?}");
 }
 
 /// Inside a ball every point sees the whole ball equally, so that light that was reflected is the same everywhere:
@@ -291,7 +201,7 @@ fn a_ball_loses_no_light() {
         let mut desc = SceneDesc { camera: camera(DVec3::ZERO, DVec3::X, 60.0), ..SceneDesc::default() };
         add(&mut desc, 0, ShapeDesc::Sphere { centre: DVec3::ZERO, radius: 1.0 }, lambert(albedo as f32), None);
         desc.lights.push(point_light(light, 1.0));
-        let solution = solve(&desc, &RadiosityDesc { element_size: Some(0.15), ..RadiosityDesc::default() });
+        let solution = solve(&desc, &RadiosityDesc { element_size: Some(0.2), ..RadiosityDesc::default() });
         let lost = solution.summary().lost().unwrap();
         assert!(lost.abs() < 5e-3, "albedo {albedo}, light at {light}: {lost} is lost");
         let scene = build(&desc);
@@ -439,6 +349,10 @@ fn walls_of_two_albedos() {
             ("black outside", lambert(0.8), BsdfDesc::Black, Some(0.8)),
             ("rough inside", rough, lambert(0.1), None),
         ] {
+            // What these are for is no different from behind.
+            if !is_front && ["black outside", "rough inside"].contains(&name) {
+                continue;
+            }
             let desc = room(Some(if is_front { [inside, outside] } else { [outside, inside] }), is_front);
             let mean = mean_irradiance(&desc, is_front);
             let expected = match albedo {
@@ -498,23 +412,6 @@ fn direct_light() {
     assert!(error < 0.01, "{error}");
 }
 
-/// Case 46: the back of an emitter is dark, and what stands behind it stays so.
-#[test]
-fn emitters_have_a_dark_side() {
-    let mut desc = SceneDesc { camera: camera(DVec3::new(0.0, 5.0, 0.0), DVec3::ZERO, 60.0), ..SceneDesc::default() };
-    let square = |y: f64, up: bool| {
-        let corners = quad([-1.0, y, -1.0], [0.0, 0.0, 2.0], [2.0, 0.0, 0.0]);
-        ShapeDesc::Quad(if up { corners } else { [corners[0], corners[3], corners[2], corners[1]] })
-    };
-    add(&mut desc, 0, square(0.0, true), lambert(0.0), Some(Rgb::ONE));
-    add(&mut desc, 1, square(-1.0, true), lambert(0.5), None);
-    add(&mut desc, 2, square(1.0, false), lambert(0.5), None);
-    let solution = solve(&desc, &RadiosityDesc::default());
-    let at = |surface, front| solution.irradiance_on(surface, 0, [0.3, 0.3], DVec3::ZERO, front).unwrap().r();
-    assert_eq!([at(1, true), at(1, false)], [0.0; 2]);
-    assert!(at(2, true) > 0.5 && at(2, false) == 0.0);
-}
-
 /// A lamp in the form of a ball: E = pi L (r / d)^2 below its middle, as if its area was where its elements are.
 #[test]
 fn ball_lamp() {
@@ -555,9 +452,9 @@ fn picture(scene: &Scene, desc: RenderDesc, threads: usize) -> Vec<f32> {
     picture_and_notes(scene, desc, threads).0
 }
 
-/// Path tracing that no pilot chooses for.
-fn alone(desc: &RenderDesc) -> RenderDesc {
-    RenderDesc { reuse: Some(false), light_paths: Some(false), ..desc.clone() }
+/// Path tracing whose pixels share hits, which is as good with a few times fewer samples, and that no pilot chooses for.
+fn shared(desc: &RenderDesc) -> RenderDesc {
+    RenderDesc { reuse: Some(true), light_paths: Some(false), ..desc.clone() }
 }
 
 fn picture_and_notes(scene: &Scene, desc: RenderDesc, threads: usize) -> (Vec<f32>, Vec<String>) {
@@ -612,12 +509,12 @@ fn bright_and_dark_light() {
 /// Clusters: against the path tracer, and all light is accounted for.
 #[test]
 fn many_triangles() {
-    let mut desc = room_with_balls(16, 4);
+    let mut desc = room_with_balls(12, 4);
     desc.camera = camera(DVec3::new(0.0, 0.1, 0.97), DVec3::new(0.0, -0.3, 0.0), 90.0);
     let scene = build(&desc);
-    let fine = RadiosityDesc { error: 0.2, ..RadiosityDesc::default() };
-    let base = RenderDesc { resolution: [36, 36], samples: 1024, ..RenderDesc::default() };
-    let reference = picture(&scene, alone(&base), 2);
+    let fine = RadiosityDesc { error: 0.3, ..RadiosityDesc::default() };
+    let base = RenderDesc { resolution: [36, 36], samples: 256, ..RenderDesc::default() };
+    let reference = picture(&scene, shared(&base), 2);
     let radiosity = RenderDesc { integrator: IntegratorDesc::Radiosity, samples: 64, radiosity: fine, ..base };
     let (image, notes) = picture_and_notes(&scene, radiosity, 2);
     let error = rel_mse(&image, &reference);
@@ -633,8 +530,8 @@ fn many_triangles() {
 fn cornell_box() {
     let desc = etendue::desc::load(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/cornell.json").as_ref(), None).unwrap();
     let scene = build(&desc);
-    let base = RenderDesc { resolution: [40, 40], samples: 4096, ..RenderDesc::default() };
-    let reference = picture(&scene, alone(&base), 2);
+    let base = RenderDesc { resolution: [40, 40], samples: 1024, ..RenderDesc::default() };
+    let reference = picture(&scene, shared(&base), 2);
     let one = |size: f64, error: f64, final_gather: bool| {
         let radiosity = RadiosityDesc { element_size: Some(size), error, final_gather, ..RadiosityDesc::default() };
         let samples = if final_gather { 1024 } else { 64 };
@@ -734,7 +631,7 @@ fn solvers_agree() {
         let e = solution.irradiance_on(0, 0, [0.3, 0.3], DVec3::ZERO, true).unwrap();
         (f64::from(e.r()) / PI, *solution.summary())
     };
-    for bounces in [0, 1, 2, 4] {
+    for bounces in [0, 1, 4] {
         let (e, summary) = with(RadiositySolver::Gather, Some(bounces), false);
         // Irradiance by what was scattered up to so many times less one: 1 + 1/2 + ...
         let expected = 2.0 * (1.0 - 0.5_f64.powi(bounces as i32));

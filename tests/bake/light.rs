@@ -222,7 +222,7 @@ fn radiosity_and_paths_bake_the_same() {
     {
         let scene = build(&desc);
         let atlas = atlas(&scene, 64);
-        let (paths, _) = bake(&scene, atlas.sites(), settings(1024, bounces));
+        let (paths, _) = bake(&scene, atlas.sites(), settings(512, bounces));
         let mut settings = settings(1, None);
         settings.desc.radiosity.iterations = bounces;
         let (solved, _) =

@@ -55,8 +55,12 @@ fn glass(ior: f32, microfacets: MicrofacetsDesc) -> Bsdf {
 
 /// Share of the power of a beam from `wo` that is scattered: the mean weight of samples in terms of power, from replicates.
 fn scattered(case: &Case, bsdf: &Bsdf, wo: Vec3, pixel: u32) -> (f64, f64) {
+    scattered_of(case.count(1024, 8192) as u32, bsdf, wo, pixel)
+}
+
+/// The same by 32 replicates of `size` samples.
+fn scattered_of(size: u32, bsdf: &Bsdf, wo: Vec3, pixel: u32) -> (f64, f64) {
     const REPLICATES: u32 = 32;
-    let size = case.count(1024, 8192) as u32;
     let mut sampler = SobolSampler::new(52, size);
     let mut weight = |i| {
         sampler.start(pixel, i);
@@ -364,6 +368,7 @@ fn reciprocity(case: &mut Case) {
 
 fn furnaces(case: &mut Case) {
     let angles = [0.0, 30.0, 60.0, 80.0, 85.0];
+    let size = case.count(512, 8192) as u32;
     let mut pixel = 0;
     for distribution in [Distribution::Ggx, Distribution::Beckmann] {
         for r in [0.01, 0.1, 0.2, 0.3, 0.45, 0.6, 0.7, 0.85, 1.0] {
@@ -386,7 +391,7 @@ fn furnaces(case: &mut Case) {
                     for degrees in angles {
                         pixel += 1;
                         let wo = direction(turn + sign * degrees, 20.0);
-                        let (mean, error) = scattered(case, &bsdf, wo, pixel);
+                        let (mean, error) = scattered_of(size, &bsdf, wo, pixel);
                         let beyond = ((mean - 1.0).abs() - 4.0 * error).max(0.0);
                         if beyond >= worst.0 {
                             worst = (beyond, error);
@@ -401,12 +406,12 @@ fn furnaces(case: &mut Case) {
         let bsdf = Bsdf::new(&BsdfDesc::Eon { albedo: Rgb::ONE, roughness });
         for degrees in angles {
             pixel += 1;
-            let found = scattered(case, &bsdf, direction(degrees, 20.0), pixel);
+            let found = scattered_of(size, &bsdf, direction(degrees, 20.0), pixel);
             case.mean(format!("white EON {roughness} at {degrees}°"), found, 1.0, 1e-3);
         }
     }
     let sheet = BsdfDesc::DiffuseTransmission { reflectance: Rgb::splat(0.3), transmittance: Rgb::splat(0.5) };
-    let found = scattered(case, &Bsdf::new(&sheet), direction(50.0, 20.0), pixel + 1);
+    let found = scattered_of(size, &Bsdf::new(&sheet), direction(50.0, 20.0), pixel + 1);
     case.mean("diffuse sheet: both shares", found, 0.8, 1e-3);
     // What is put together never gains, and loses little where its base is opaque.
     let mut most = 0.0_f64;
@@ -435,7 +440,7 @@ fn furnaces(case: &mut Case) {
                     let sides = if transmission > 0.0 { &[0.0, 180.0][..] } else { &[0.0][..] };
                     for (side, degrees) in sides.iter().flat_map(|side| angles.map(|degrees| (side, degrees))) {
                         pixel += 1;
-                        let (mean, error) = scattered(case, &bsdf, direction(side + degrees, 20.0), pixel);
+                        let (mean, error) = scattered_of(size, &bsdf, direction(side + degrees, 20.0), pixel);
                         most = most.max(mean - 4.0 * error);
                         let least = if transmission > 0.0 { &mut least_clear } else { &mut least };
                         *least = least.min(mean + 4.0 * error);

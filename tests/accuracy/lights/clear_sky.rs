@@ -296,7 +296,7 @@ fn sun(case: &mut Case) {
 }
 
 fn pictures(case: &mut Case) {
-    let samples = case.count(32, 256) as u32;
+    let samples = case.count(16, 256) as u32;
     // The place in the list of suns, albedo and diameter of the disk.
     for (number, albedo, angle) in [(1, 0.0, 0.533_f64), (3, 0.3, 8.0), (7, 1.0, 0.533)] {
         let ([turbidity, elevation], radiance) = SUNS[number];

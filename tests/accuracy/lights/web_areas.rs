@@ -217,7 +217,7 @@ fn rendered_biased(case: &mut Case, what: &str, desc: &SceneDesc, exact: f64, to
 }
 
 fn pictures(case: &mut Case) {
-    let samples = case.count(32, 256) as u32;
+    let samples = case.count(16, 256) as u32;
     let area = Area::rectangle([-0.3, -0.6, 0.8], [-0.2, 0.9, 0.1], [1.1, 0.1, 0.3]);
     let turned = Area { from: area.from + area.u, u: -area.u, ..area };
     let disk = Area::disk([0.5, 0.0, 1.0], DVec3::NEG_Z, 1.0);

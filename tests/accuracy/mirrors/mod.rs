@@ -186,7 +186,7 @@ fn metal(roughness: f32) -> BsdfDesc {
 }
 
 fn with_and_without(case: &mut Case) {
-    let desc = RenderDesc { resolution: [16, 16], ..paths(case.count(128, 256)) };
+    let desc = RenderDesc { resolution: [16, 16], ..paths(case.count(80, 256)) };
     let seeds = case.count(8, 12);
     let coat = BsdfDesc::CoatedDiffuse {
         albedo: Rgb::splat(0.5),

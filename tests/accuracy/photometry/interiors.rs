@@ -17,7 +17,7 @@ use super::{build, illuminance, level, of, quad, settings, value, walls, white};
 use crate::common::scenes::box_inside;
 use crate::lights::polygon_factor;
 use crate::record::{Case, Entry, Within};
-use crate::transport::{MESH, grey};
+use crate::transport::{MESH, grey, pick};
 
 pub fn cases() -> Vec<Entry> {
     vec![
@@ -218,7 +218,7 @@ fn obstruction(case: &mut Case) {
 fn cube(case: &mut Case) {
     const LUMENS: f64 = 10_000.0;
     let half = DVec3::splat(2.0);
-    for albedo in [0.05_f32, 0.3, 0.5, 0.8, 0.95] {
+    for &albedo in pick(case, &[0.05_f32, 0.5, 0.95][..], &[0.05, 0.3, 0.5, 0.8, 0.95]) {
         let mut desc = of(vec![(MESH, grey(albedo), None)]);
         desc.meshes.push(Arc::new(box_inside(-half, half)));
         desc.add_point_light(DVec3::ZERO, white(LUMENS / (4.0 * PI))).expect("a light");
