@@ -6,9 +6,9 @@ mod common;
 use std::ops::ControlFlow;
 use std::time::Duration;
 
-use common::scenes::{box_inside, camera, point_light, scene};
+use common::scenes::{box_inside, brief, camera, point_light, scene};
 use etendue::desc::{
-    BsdfDesc, FilterDesc, IntegratorDesc, PhotonDesc, RadiosityDesc, RenderDesc, SamplerDesc, SceneDesc, ShapeDesc,
+    BsdfDesc, FilterDesc, IntegratorDesc, RadiosityDesc, RenderDesc, SamplerDesc, SceneDesc, ShapeDesc,
 };
 use etendue::film::Image;
 use etendue::math::DVec3;
@@ -43,19 +43,9 @@ fn built(desc: &SceneDesc) -> Scene {
 }
 
 fn settings(integrator: IntegratorDesc) -> RenderSettings {
-    let photons = PhotonDesc { count: Some(2000), caustic_count: Some(2000), ..PhotonDesc::default() };
-    // Tiles that are cut at both sides, and a filter whose weights are summed.
-    let filter = FilterDesc::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 };
     let radiosity = RadiosityDesc { error: 4.0, ..RadiosityDesc::default() };
-    let desc = RenderDesc {
-        resolution: [21, 19],
-        samples: 16,
-        integrator,
-        photons,
-        filter,
-        radiosity,
-        ..RenderDesc::default()
-    };
+    // Tiles that are cut at both sides.
+    let desc = RenderDesc { resolution: [21, 19], radiosity, ..brief(integrator) };
     RenderSettings { desc, auxiliary: true, ..RenderSettings::default() }
 }
 

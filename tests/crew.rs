@@ -10,10 +10,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Duration;
 
-use common::scenes::{box_inside, camera, point_light, scene};
-use etendue::desc::{
-    self, BsdfDesc, FilterDesc, IntegratorDesc, PhotonDesc, RadiosityDesc, RenderDesc, SceneDesc, ShapeDesc,
-};
+use common::scenes::{box_inside, brief, camera, point_light, scene};
+use etendue::desc::{self, BsdfDesc, FilterDesc, IntegratorDesc, RadiosityDesc, RenderDesc, SceneDesc, ShapeDesc};
 use etendue::film::{ErrorMeasure, Image};
 use etendue::math::DVec3;
 use etendue::render::{Checkpoint, Crew, Ended, Event, Link, Render, RenderSettings, Summary, help};
@@ -43,20 +41,10 @@ fn built(ball: BsdfDesc) -> Scene {
     Scene::build(&room(ball), &BuildOptions::default()).unwrap()
 }
 
-/// 5 x 4 tiles, of which some are cut, and a filter whose weights are summed.
+/// 5 x 4 tiles, of which some are cut.
 fn settings(integrator: IntegratorDesc) -> RenderSettings {
-    let photons = PhotonDesc { count: Some(2000), caustic_count: Some(2000), ..PhotonDesc::default() };
-    let filter = FilterDesc::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 };
     let radiosity = RadiosityDesc { element_size: Some(0.5), ..RadiosityDesc::default() };
-    let desc = RenderDesc {
-        resolution: [68, 51],
-        samples: 16,
-        integrator,
-        photons,
-        filter,
-        radiosity,
-        ..RenderDesc::default()
-    };
+    let desc = RenderDesc { resolution: [68, 51], radiosity, ..brief(integrator) };
     RenderSettings { desc, auxiliary: true, threads: 1, ..RenderSettings::default() }
 }
 

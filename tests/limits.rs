@@ -63,9 +63,9 @@ fn the_error_is_what_was_asked_for() {
     for (name, scene) in [("diffuse", diffuse()), ("glass", room(glass))] {
         let desc = RenderDesc { resolution: [24, 24], ..RenderDesc::default() };
         // Independent of the renders below, and with an error far below theirs.
-        let long = RenderDesc { samples: 1 << 9, seed: 99, reuse: Some(true), ..desc.clone() };
+        let long = RenderDesc { samples: 1 << 10, seed: 99, reuse: Some(true), ..desc.clone() };
         let (reference, known) = run(&scene, RenderSettings { desc: long, threads: 2, ..RenderSettings::default() });
-        for target in [0.01, 0.0025] {
+        for target in [0.01, 0.0025, 0.000625] {
             let desc = RenderDesc { samples: MOST_SAMPLES, ..desc.clone() };
             let target_error = Some(target);
             let (image, summary) =

@@ -3,14 +3,21 @@
 use std::ops::ControlFlow;
 
 use etendue::desc::{
-    BsdfDesc, CameraDesc, FilmDesc, FovAxis, IntegratorDesc, MaterialDesc, MeshDesc, PointLightDesc, RenderDesc,
-    SceneDesc, ShapeDesc, SurfaceDesc,
+    BsdfDesc, CameraDesc, FilmDesc, FilterDesc, FovAxis, IntegratorDesc, MaterialDesc, MeshDesc, PhotonDesc,
+    PointLightDesc, RenderDesc, SceneDesc, ShapeDesc, SurfaceDesc,
 };
 use etendue::film::Image;
 use etendue::math::{DAffine3, DVec3};
 use etendue::render::{Render, RenderSettings, Summary};
 use etendue::scene::{BuildOptions, Scene};
 use etendue::spectrum::Rgb;
+
+/// A short render by any method: a filter whose weights are summed, and few photons.
+pub fn brief(integrator: IntegratorDesc) -> RenderDesc {
+    let photons = PhotonDesc { count: Some(2000), caustic_count: Some(2000), ..PhotonDesc::default() };
+    let filter = FilterDesc::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 };
+    RenderDesc { samples: 16, integrator, photons, filter, ..RenderDesc::default() }
+}
 
 /// A scene of surfaces, each with its material.
 pub fn scene(camera: CameraDesc, surfaces: Vec<(ShapeDesc, BsdfDesc, Option<Rgb>)>) -> SceneDesc {
