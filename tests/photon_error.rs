@@ -129,7 +129,7 @@ fn auto_looks_for_lamps_that_paths_do_not_find() {
 /// chosen for it as for glass alone, and the irradiance cache shows its caustics by a map.
 #[test]
 fn auto_sees_caustics_of_what_is_also_diffuse() {
-    use etendue::desc::{BsdfDesc, MicrofacetsDesc, PrincipledDesc, SceneDesc, ShapeDesc, SurfaceLook};
+    use etendue::desc::{BsdfDesc, CacheDesc, MicrofacetsDesc, PrincipledDesc, SceneDesc, ShapeDesc, SurfaceLook};
     use etendue::integrator::photon::choose;
     use etendue::math::DVec3;
 
@@ -185,6 +185,8 @@ fn auto_sees_caustics_of_what_is_also_diffuse() {
             resolution: [4; 2],
             samples: 1,
             integrator: IntegratorDesc::IrradianceCache,
+            // The map is asked for, and no picture.
+            cache: CacheDesc { rays: 16, ..CacheDesc::default() },
             ..RenderDesc::default()
         };
         let mut render = Render::new(&scene, RenderSettings { desc, ..RenderSettings::default() }).unwrap();

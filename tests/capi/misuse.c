@@ -1166,12 +1166,17 @@ static void judge(const char *what, size_t entry) {
 }
 
 /* NULL for every pointer, in every combination. */
-static void pass_null(void) {
+static void pass_null(int quick) {
     size_t entry;
     for (entry = 0; entry < TABLE_SIZE; ++entry) {
+        const char *name = table[entry].name;
+        /* Without options, light maps have a million texels, or many samples of each. */
+        const int is_long = strcmp(name, "etd_atlas_new") == 0 || strcmp(name, "etd_atlas_bake") == 0;
         for (nulls = 0; nulls < 1u << table[entry].pointers; ++nulls) {
             expected = nulls & table[entry].needed ? ETD_INVALID_ARGUMENT : ETD_OK;
-            judge("NULL for pointers", entry);
+            if (!(quick && is_long && nulls & 2u)) {
+                judge("NULL for pointers", entry);
+            }
         }
         nulls = 0;
     }
@@ -1277,13 +1282,13 @@ int main(int count, char **arguments) {
         CHECK_OK(etd_scene_place_group(scene, group_number, NULL, &placed, NULL));
         CHECK(placed == 0);
     }
-    pass_null();
+    pass_null(quick);
     pass_wrong_handles();
     CHECK_OK(etd_scene_remove_placement(scene, 0));
     misuse_values();
     misuse_cameras();
     misuse_motion();
-    misuse_photons();
+    misuse_photons(quick);
     misuse_bake(quick);
     misuse_lighting();
     misuse_errors();

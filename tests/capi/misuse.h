@@ -16,7 +16,7 @@ extern uint32_t mesh_number;
 void misuse_values(void);
 
 /* Settings of photon maps and caches. */
-void misuse_photons(void);
+void misuse_photons(int quick);
 
 /* Keyframes, shutters and steps, in misuse_motion.c. */
 void misuse_motion(void);
@@ -24,7 +24,7 @@ void misuse_motion(void);
 void misuse_cameras(void);
 
 /* Texels along a side of the atlas. */
-#define MISUSE_SIDE 96
+#define MISUSE_SIDE 64
 
 /* Light maps. `quick`: small ones. */
 void misuse_bake(int quick);

@@ -341,7 +341,7 @@ fn methods(case: &mut Case) {
         scene(through(lens), surfaces.clone())
     };
     let job = |integrator, samples| Job { resolution: [16, 16], samples, integrator, ..Job::default() };
-    let (image, _) = render(&with(1.0), &job(IntegratorDesc::Path, case.count(1024, 32_768) as u32));
+    let (image, _) = render(&with(1.0), &job(IntegratorDesc::Path, case.count(512, 32_768) as u32));
     let (exact, error) = image_mean(&image);
     let (dark, _) = render(&with(0.0), &job(IntegratorDesc::Path, 64));
     case.exact("through a pinhole: what is seen beside the ball", image_mean(&dark).0, 0.0, Within::Absolute(0.0));
@@ -356,7 +356,7 @@ fn methods(case: &mut Case) {
         IntegratorDesc::IrradianceCache,
         IntegratorDesc::Radiosity,
     ] {
-        let (image, _) = render(&with(1.0), &job(integrator, case.count(256, 4096) as u32));
+        let (image, _) = render(&with(1.0), &job(integrator, case.count(64, 4096) as u32));
         let (mean, own) = image_mean(&image);
         case.biased_mean(format!("a wall by {integrator:?}"), (mean, own.hypot(error)), exact, (1e-2, 1e-2));
     }

@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use super::{Worst, direction, uniform_3d};
 use crate::record::{Case, Entry, Within};
 use crate::stats::{DensityCheck, check_density, mean_and_error};
+use crate::transport::pick;
 
 pub fn cases() -> Vec<Entry> {
     vec![
@@ -321,8 +322,7 @@ impl Sampled {
 
 fn samples(case: &mut Case) {
     let draws = case.count(10_000, 50_000) as usize;
-    let every = case.count(3, 1) as usize;
-    let chosen: Vec<f32> = ROUGHNESSES.into_iter().skip(every / 2).step_by(every).collect();
+    let chosen = pick(case, &[0.2, 0.7][..], &ROUGHNESSES);
     let names = models(0.5).into_iter().map(|(name, _)| name).enumerate();
     let mut work: Vec<(String, Vec<Bsdf>, usize)> =
         names.map(|(i, name)| (name, chosen.iter().map(|r| models(*r).swap_remove(i).1).collect(), i)).collect();

@@ -67,7 +67,7 @@ fn backs(case: &mut Case) {
         ] {
             let (mut lit, mut all) = (0, 0);
             for (integrator, _) in METHODS {
-                let image = drawn(&scene(shape, eye, DAffine3 { matrix3, translation }), integrator, samples);
+                let image = drawn(case, &scene(shape, eye, DAffine3 { matrix3, translation }), integrator, samples);
                 lit += image.rgb.iter().filter(|&&value| value != 0.0).count();
                 all += image.rgb.len();
             }

@@ -188,8 +188,14 @@ fn published(case: &mut Case) {
 
 fn points(case: &mut Case) {
     let point = etendue::math::Vec3::new(0.1, 0.2, 0.0);
-    for (turbidity, albedo) in [(1.0, 0.0), (1.0, 1.0), (3.3, 0.3), (10.0, 0.0), (10.0, 1.0)] {
-        for elevation in [0.0, 6.0, 45.0, 90.0] {
+    for (i, (turbidity, albedo)) in
+        [(1.0, 0.0), (1.0, 1.0), (3.3, 0.3), (10.0, 0.0), (10.0, 1.0)].into_iter().enumerate()
+    {
+        for (j, elevation) in [0.0, 6.0, 45.0, 90.0].into_iter().enumerate() {
+            // Each sky and each height, but not all of their pairs.
+            if !case.is_full() && (i + j) % 2 != 0 {
+                continue;
+            }
             let what = |more: &str| format!("turbidity {turbidity}, albedo {albedo}, sun {elevation} high, {more}");
             let published = Published::new(turbidity, elevation, albedo);
             let horizontal = published.received(DVec3::Z);
@@ -310,7 +316,7 @@ fn pictures(case: &mut Case) {
         let desc = under(sky, 2.0);
         let others = [(IntegratorDesc::Radiosity, 5e-3), (IntegratorDesc::Ppm, 1e-2), (IntegratorDesc::Auto, 0.0)];
         for (integrator, bias) in METHODS.into_iter().chain(others) {
-            let means = mean_and_error(&drawn(&desc, integrator, samples));
+            let means = mean_and_error(&drawn(case, &desc, integrator, samples));
             let what = format!("turbidity {turbidity}, sun {elevation} high, by {integrator:?}");
             case.biased_mean(what, means, exact, (bias.max(1e-4), 1e-2));
         }

@@ -105,7 +105,7 @@ fn windows(case: &mut Case) {
             let is_by_all = which == "the window" && (case.is_full() || light == EVEN);
             let methods = if is_by_all { &METHODS[..] } else { &METHODS[..1] };
             for &(integrator, bias) in methods {
-                let found = mean_and_error(&drawn(&desc, integrator, samples));
+                let found = mean_and_error(&drawn(case, &desc, integrator, samples));
                 let tolerance = if case.is_full() { 3e-3 } else { 1e-2 };
                 case.biased_mean(
                     format!("{what}, {which}, by {integrator:?}"),

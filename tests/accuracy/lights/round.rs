@@ -283,7 +283,7 @@ pub(super) fn by_all_methods(case: &mut Case, what: &str, desc: &SceneDesc, exac
     let samples = case.count(32, 1024) as u32;
     // Radiosity has inscribed triangles in place of round shapes, as large in sum but a little further away.
     for (integrator, bias) in METHODS.into_iter().chain([(IntegratorDesc::Radiosity, 2e-2)]) {
-        let (mean, error) = mean_and_error(&drawn(desc, integrator, samples));
+        let (mean, error) = mean_and_error(&drawn(case, desc, integrator, samples));
         case.biased_mean(format!("{what}, by {integrator:?}"), (mean, error), exact, (bias.max(1e-4), 1e-2));
     }
 }

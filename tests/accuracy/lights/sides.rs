@@ -251,13 +251,13 @@ fn furnace(case: &mut Case) {
         for (integrator, bias) in
             [(IntegratorDesc::Path, 0.0_f64), (IntegratorDesc::Photon, 2e-2), (IntegratorDesc::Radiosity, 1e-2)]
         {
-            let (mean, error) = mean_and_error(&super::drawn(&desc, integrator, samples));
+            let (mean, error) = mean_and_error(&super::drawn(case, &desc, integrator, samples));
             let what = format!("normals {}, by {integrator:?}", if outwards { "outwards" } else { "inwards" });
             case.biased_mean(what, (mean, error), exact, (bias.max(1e-4), 1e-2));
         }
         // From outside the emission alone is seen, by what it reflects of nothing.
         desc.camera = camera(DVec3::new(0.3, 0.2, 9.0), DVec3::ZERO, 5.0);
-        let (mean, error) = mean_and_error(&super::drawn(&desc, IntegratorDesc::Path, samples));
+        let (mean, error) = mean_and_error(&super::drawn(case, &desc, IntegratorDesc::Path, samples));
         let what = format!("normals {}, from outside", if outwards { "outwards" } else { "inwards" });
         case.biased_mean(what, (mean, error), f64::from(emission), (1e-4, 1e-2));
     }
@@ -314,7 +314,7 @@ fn pictures(case: &mut Case) {
     let mut desc = lit_both(1.0, 0.05, vec![shape]);
     desc.surfaces[1].local = local;
     for (integrator, bias) in METHODS {
-        let (mean, error) = mean_and_error(&super::drawn(&desc, integrator, case.count(64, 1024) as u32));
+        let (mean, error) = mean_and_error(&super::drawn(case, &desc, integrator, case.count(64, 1024) as u32));
         let what = format!("inner side of a tube, by {integrator:?}");
         case.biased_mean(what, (mean, error), chimney(1.0, 0.5, 1.0), (bias.max(1e-4), 1e-2));
     }

@@ -234,7 +234,7 @@ fn pictures(case: &mut Case) {
         let exact = lit_side.irradiance(lamp, area.normal(), DVec3::ZERO, DVec3::Z, 1000) / PI;
         let desc = under(&area, lamp, 0.5, 0.05);
         for (integrator, bias) in METHODS {
-            let (mean, error) = mean_and_error(&drawn(&desc, integrator, samples));
+            let (mean, error) = mean_and_error(&drawn(case, &desc, integrator, samples));
             case.biased_mean(format!("{what}, by {integrator:?}"), (mean, error), exact, (bias.max(2e-4), 1e-2));
         }
     }
@@ -261,7 +261,7 @@ fn pictures(case: &mut Case) {
         area += size;
     }
     for (integrator, bias) in METHODS {
-        let (mean, error) = mean_and_error(&drawn(&desc, integrator, samples));
+        let (mean, error) = mean_and_error(&drawn(case, &desc, integrator, samples));
         let what = format!("mirrored mesh, by {integrator:?}");
         case.biased_mean(what, (mean, error), sum / area / PI, (bias.max(2e-4), 1e-2));
     }

@@ -261,7 +261,7 @@ fn methods(case: &mut Case) {
 }
 
 fn rough_methods(case: &mut Case) {
-    compare_methods(case, 3, 0.4);
+    compare_methods(case, pick(case, 2, 3), 0.4);
 }
 
 fn compare_methods(case: &mut Case, more: u64, roughness: f32) {

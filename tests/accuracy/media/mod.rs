@@ -238,7 +238,11 @@ fn submerged(case: &mut Case) {
         // With the balls, all is asked for that there is without.
         let methods = if hidden || case.is_full() { &direct[..] } else { &direct[..3] };
         for &integrator in methods {
-            let image = image(&scene, integrator, 16, 1);
+            let mut settings = Job { resolution: [16, 16], samples: 16, integrator, ..Job::default() }.desc();
+            // What is seen is direct light, which only this method takes from its photons.
+            let needs_few = !case.is_full() && integrator != IntegratorDesc::PhotonDirect;
+            settings.photons.count = needs_few.then_some(1 << 14);
+            let (image, _) = render_scene(&scene, settings);
             for (i, coefficient) in ABSORPTION.to_f64().to_array().into_iter().enumerate() {
                 let way = (-coefficient * (height + eye.length())).exp();
                 let exact = f64::from(albedo) / PI * f64::from(intensity) / (height * height) * way;

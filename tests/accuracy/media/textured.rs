@@ -163,7 +163,7 @@ fn even(case: &mut Case) {
         vary(&mut textured, material, key, one(["a", "b", "c"][material]));
     }
     for integrator in [IntegratorDesc::Path, IntegratorDesc::Sppm] {
-        let samples = case.count(32, 256);
+        let samples = case.count(16, 256);
         let [plain, textured] =
             [(&plain, 1), (&textured, 2)].map(|(desc, seed)| image(&build(desc), integrator, samples, seed));
         for i in 0..3 {

@@ -73,7 +73,7 @@ fn over_passes(case: &mut Case) {
             continue;
         }
         let scene = build(&desc);
-        let samples = case.count(2048, 4096) as u32;
+        let samples = case.count(1024, 4096) as u32;
         let references = [7, 8].map(|seed| render(&scene, method(IntegratorDesc::Path, side, samples, (1, 1.0)), seed));
         for integrator in PROGRESSIVE {
             let seeds = 2;

@@ -195,7 +195,7 @@ fn against_paths(case: &mut Case) {
     ];
     for (name, quick, full) in scenes {
         let scene = build(&load(name));
-        let desc = RenderDesc { resolution: [32, 32], ..settings(case.count(32, 512)) };
+        let desc = RenderDesc { resolution: [32, 32], ..settings(case.count(16, 512)) };
         let alone = RenderDesc { reuse: Some(false), samples: 2 * desc.samples, ..desc.clone() };
         let expected = measure(&scene, &alone, seeds, 1000);
         case.equal_means(name, measure(&scene, &desc, seeds, 1), expected, pick(case, quick, full));
@@ -236,7 +236,7 @@ fn first_light_samples(case: &mut Case) {
             case.mean(format!("{what}, {first} first, then {shadow_rays}"), found, exact, tolerance);
         }
     }
-    let (seeds, samples) = (case.count(8, 16), case.count(32, 512));
+    let (seeds, samples) = (case.count(8, 16), case.count(16, 512));
     for (name, quick, full) in
         [("room.json", 8e-3, 2e-3), ("mirrors-and-glass.json", 2e-2, 5e-3), ("smooth-mesh.json", 5e-3, 1.3e-3)]
     {

@@ -285,7 +285,7 @@ fn pictures(case: &mut Case) {
     for (sky, name) in [SKIES[1], SKIES[5]] {
         let exact = 0.5 / PI * sky.irradiance(DVec3::Y) * (1.0 + 0.5 + 0.25) / 3.0;
         for (integrator, within) in METHODS.into_iter().chain([(IntegratorDesc::PhotonDirect, 2e-2)]) {
-            let image = drawn(&floor(sky, 0.5), integrator, samples);
+            let image = drawn(case, &floor(sky, 0.5), integrator, samples);
             let what = format!("{name}: the floor by {integrator:?}");
             if integrator == IntegratorDesc::PhotonDirect {
                 // All pixels see the same photons, so that their errors are not those of independent pixels.
@@ -320,15 +320,15 @@ fn pictures(case: &mut Case) {
 
 /// In a valley, light goes to and fro: photons and paths agree.
 fn valley(case: &mut Case) {
-    let of = |integrator, samples| {
+    let of = |case: &Case, integrator, samples| {
         let mut desc = floor(Sky::Hot(5, 2), 0.7);
         let wall = [[-2.0, 0.0, -1.0], [2.0, 0.0, -1.0], [2.0, 2.0, -1.5], [-2.0, 2.0, -1.5]];
         add(&mut desc, 1, quad(wall), BsdfDesc::Lambert { albedo: Rgb::splat(0.7) }, None);
         let ball = ShapeDesc::Sphere { centre: DVec3::new(0.4, 0.2, 0.0), radius: 0.2 };
         add(&mut desc, 2, ball, BsdfDesc::Mirror { reflectance: Rgb::splat(0.8) }, None);
-        mean_and_error(&drawn(&desc, integrator, samples))
+        mean_and_error(&drawn(case, &desc, integrator, samples))
     };
-    let (exact, error) = of(IntegratorDesc::Path, case.count(512, 16384) as u32);
+    let (exact, error) = of(case, IntegratorDesc::Path, case.count(256, 16384) as u32);
     for integrator in [
         IntegratorDesc::Photon,
         IntegratorDesc::Caustic,
@@ -336,7 +336,7 @@ fn valley(case: &mut Case) {
         IntegratorDesc::Ppm,
         IntegratorDesc::IrradianceCache,
     ] {
-        let (mean, own) = of(integrator, case.count(32, 1024) as u32);
+        let (mean, own) = of(case, integrator, case.count(32, 1024) as u32);
         let both = own.hypot(error);
         case.biased_mean(format!("a valley by {integrator:?}"), (mean, both), exact, (1e-2, 1e-2));
     }
