@@ -15,6 +15,7 @@ my $root = abs_path(dirname($0) . '/..');
 my $copy = "$root/target/mutations/source";
 my $is_check = @ARGV && $ARGV[0] eq '--check';
 my $only = $is_check ? '' : $ARGV[0] // '';
+die "usage: mutations.pl [--check | part of a name]\n" if @ARGV > 1 || $only =~ /\A-/;
 
 sub slurp { my ($path) = @_; local $/; open my $file, '<', $path or die "$path: $!\n"; return scalar <$file>; }
 sub spew { my ($path, $text) = @_; open my $file, '>', $path or die "$path: $!\n"; print $file $text; close $file or die "$path: $!\n"; }

@@ -16,7 +16,7 @@ extern uint32_t mesh_number;
 void misuse_values(void);
 
 /* Settings of photon maps and caches. */
-void misuse_photons(int quick);
+void misuse_photons(void);
 
 /* Keyframes, shutters and steps, in misuse_motion.c. */
 void misuse_motion(void);

@@ -110,7 +110,7 @@ static void pass_names(void) {
 #define NUMBER(field, limit) {"options." #field ":", offsetof(etd_render_options, field), limit}
 
 /* The first whole numbers that are too large, and the last that are not. */
-static void pass_whole_numbers(int quick) {
+static void pass_whole_numbers(void) {
     static const struct {
         const char *name;
         size_t at;
@@ -157,10 +157,7 @@ static void pass_whole_numbers(int quick) {
         CHECK_STATUS(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT);
         CHECK(strstr(etd_last_error_message(), "options.sensor_bands: paths in three channels have no bands") != NULL);
         options.spectral = ETD_SWITCH_ON;
-        if (!quick) {
-            /* The first render by wavelengths in a process makes its tables, which takes a checker half a minute. */
-            CHECK_OK(etd_render(scene, film, &options));
-        }
+        CHECK_OK(etd_render(scene, film, &options));
         options.sensor_bands[0] = 700;
         CHECK_STATUS(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT);
         CHECK(strstr(etd_last_error_message(), "options.sensor_bands: [700, 700] is no range of bands") != NULL);
@@ -423,9 +420,9 @@ static void pass_options_of_the_first_version(void) {
     CHECK_STATUS(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT);
 }
 
-void misuse_photons(int quick) {
+void misuse_photons(void) {
     pass_names();
-    pass_whole_numbers(quick);
+    pass_whole_numbers();
     pass_other_numbers();
     pass_shared_hits();
     pass_light_paths();

@@ -322,7 +322,7 @@ impl Sampled {
 
 fn samples(case: &mut Case) {
     let draws = case.count(10_000, 50_000) as usize;
-    let chosen = pick(case, &[0.2, 0.7][..], &ROUGHNESSES);
+    let chosen = pick(case, &[0.2, 0.85][..], &ROUGHNESSES);
     let names = models(0.5).into_iter().map(|(name, _)| name).enumerate();
     let mut work: Vec<(String, Vec<Bsdf>, usize)> =
         names.map(|(i, name)| (name, chosen.iter().map(|r| models(*r).swap_remove(i).1).collect(), i)).collect();

@@ -239,7 +239,7 @@ fn submerged(case: &mut Case) {
         let methods = if hidden || case.is_full() { &direct[..] } else { &direct[..3] };
         for &integrator in methods {
             let mut settings = Job { resolution: [16, 16], samples: 16, integrator, ..Job::default() }.desc();
-            // What is seen is direct light, which only this method takes from its photons.
+            // What is seen is direct light, which only `PhotonDirect` takes from photons.
             let needs_few = !case.is_full() && integrator != IntegratorDesc::PhotonDirect;
             settings.photons.count = needs_few.then_some(1 << 14);
             let (image, _) = render_scene(&scene, settings);

@@ -59,7 +59,7 @@ fn mirror(case: &mut Case) {
     for (what, mirror) in [("quad", quad), ("disk", disk), ("mesh that deforms", mesh)] {
         let desc = scene(camera.clone(), lights.clone(), json!([floor, mirror]));
         for (name, integrator) in METHODS {
-            let samples = case.count(64, 4096) as u32;
+            let samples = case.count(128, 4096) as u32;
             let job = Job { resolution: [4, 4], samples, integrator, max_depth: Some(2), ..Job::default() };
             // All pixels see the same photons, and a kernel of this radius blurs light that falls off.
             let found = mean_and_error(&drawn(&desc, &job, 1 << 15, Some(0.1)));
@@ -72,7 +72,7 @@ fn mirror(case: &mut Case) {
 /// A scene with a bit of everything in motion, against paths.
 fn whole(case: &mut Case) {
     let desc = busy();
-    let samples = case.count(512, 8192) as u32;
+    let samples = case.count(1024, 8192) as u32;
     let job = Job { resolution: [24, 16], samples, ..Job::default() };
     let (exact, error) = measure(&desc, &job);
     for (name, integrator) in METHODS {
